@@ -1,0 +1,6 @@
+# -DSTATIOND_SANITIZE=address,undefined | thread | realtime (see CMakePresets.json)
+set(STATIOND_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize= takes them")
+if(STATIOND_SANITIZE)
+  add_compile_options(-fsanitize=${STATIOND_SANITIZE} -fno-omit-frame-pointer -g)
+  add_link_options(-fsanitize=${STATIOND_SANITIZE})
+endif()

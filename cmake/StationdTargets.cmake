@@ -1,0 +1,20 @@
+# stationd_library(NAME): the folder's one static library, from all its .cpp files except *_main.cpp.
+function(stationd_library name)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "_main\\.cpp$")
+  add_library(${name} STATIC ${sources})
+  target_include_directories(${name} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE stationd_warnings PUBLIC Threads::Threads)
+endfunction()
+# stationd_program(NAME FILE LIBS...): one executable.
+function(stationd_program name file)
+  add_executable(${name} ${file})
+  target_link_libraries(${name} PRIVATE stationd_warnings ${ARGN})
+endfunction()
+# stationd_test(NAME FILES... LIBS libs...): one doctest executable, one ctest test.
+function(stationd_test name)
+  cmake_parse_arguments(T "" "" "FILES;LIBS" ${ARGN})
+  add_executable(${name} ${T_FILES} ${CMAKE_SOURCE_DIR}/tests/doctest_main.cpp)
+  target_link_libraries(${name} PRIVATE stationd_warnings ${T_LIBS})
+  add_test(NAME ${name} COMMAND ${name})
+endfunction()
