@@ -1,0 +1,131 @@
+// Station: a program with its process image, state machine and links; what one scan does to it, phase by phase.
+// Owned by the composer (daemon or a test); driven by its task.
+// Set-up by one thread; then the scan thread alone, except port() and the links' other ends.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scan/cycle.hpp"
+#include "scan/image.hpp"
+#include "scan/links.hpp"
+#include "scan/program.hpp"
+
+namespace stationd {
+
+enum class OnRestart : std::uint8_t { stopped, resume };
+
+struct StationOptions {
+  std::string name;
+  OnRestart on_restart = OnRestart::stopped;
+  std::uint32_t epoch = 1;               ///< one more at each start of the daemon
+  std::int64_t pv_heartbeat_ns = 100'000'000;  ///< the program's PVs are repeated at least so often
+  std::size_t request_capacity = 64;
+  std::size_t event_capacity = 256;
+};
+
+class Station {
+ public:
+  /// Takes the program's tags into the image and makes a link for each of its PVs. Throws SetupError.
+  Station(StationOptions options, std::unique_ptr<Program> program);
+  ~Station();
+  Station(const Station&) = delete;
+  Station& operator=(const Station&) = delete;
+
+  // -- Set-up, in this order: image() changes, add_..., seal(), restore() ------------------------------------------
+  Image& image() noexcept { return image_; }
+  const Image& image() const noexcept { return image_; }
+  /// Tags read from (written to) one device. Throws SetupError for an unknown tag or one of the wrong area.
+  InputLink& add_device_inputs(const std::string& device, const std::vector<std::string>& tags,
+                               std::int64_t stale_after_ns, std::int64_t bad_after_ns);
+  OutputLink& add_device_outputs(const std::string& device, const std::vector<std::string>& tags);
+  /// Limits for the bus links that the program's subscriptions made.
+  void set_bus_limits(std::int64_t stale_after_ns, std::int64_t bad_after_ns);
+  void seal();
+  /// After seal(): the retained tags as they were saved, in the order of retain().tags. Makes the restart warm.
+  void restore(std::span<const Slot> slots);
+
+  // -- What other threads hold ---------------------------------------------------------------------------------------
+  const std::string& name() const noexcept { return options_.name; }
+  std::uint32_t epoch() const noexcept { return options_.epoch; }
+  Program& program() noexcept { return *program_; }
+  StationPort& port() noexcept { return port_; }
+  std::vector<std::unique_ptr<InputLink>>& device_inputs() noexcept { return device_inputs_; }
+  std::vector<std::unique_ptr<OutputLink>>& device_outputs() noexcept { return device_outputs_; }
+  std::vector<std::unique_ptr<InputLink>>& bus_inputs() noexcept { return bus_inputs_; }
+  std::vector<std::unique_ptr<PvLink>>& pvs() noexcept { return pvs_; }
+  RetainLink& retain() noexcept { return *retain_; }
+
+  // -- The phases of a scan; the scan thread -------------------------------------------------------------------------
+  void take_orders() noexcept;
+  void latch(std::int64_t now_ns) noexcept;
+  void execute(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept;
+  void commit(std::int64_t now_ns) noexcept;
+  void publish(std::int64_t now_ns, std::uint64_t deadline_misses) noexcept;
+  /// Services the oldest request, if there is one; false if there was none.
+  bool service_one() noexcept;
+  /// Latches a fault from outside the program (overrun policy, watchdog).
+  void fault(std::uint32_t code, std::int64_t detail) noexcept;
+
+  StationState state() const noexcept { return state_; }
+  std::uint32_t active_fault() const noexcept { return fault_; }
+
+ private:
+  friend class Cycle;
+  struct Warning { std::uint32_t code = 0; std::int64_t detail = 0; };
+  static constexpr std::size_t kMaxWarnings = 16;
+
+  LinkTags link_tags(const std::vector<std::string>& names, Area area) const;
+  LinkTags link_tags(const std::vector<PvMember>& members) const;
+  void bind();
+  void latch_link(InputLink& link, std::int64_t now_ns) noexcept;
+  void apply_safe_outputs() noexcept;
+  void publish_pv(PvLink& link, std::size_t index, std::int64_t now_ns) noexcept;
+  void publish_retained() noexcept;
+  void raise(std::uint32_t code, bool active, std::int64_t detail) noexcept;
+  void enter(StationState state, StopCause cause) noexcept;
+  Reply carry_out(const Request& request) noexcept;
+  Reply start(const Request& request, Reply reply) noexcept;
+  Reply reset(Reply reply) noexcept;
+  void set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept;
+
+  StationOptions options_;
+  std::unique_ptr<Program> program_;
+  Image image_;
+  StationPort port_;
+  std::vector<std::unique_ptr<InputLink>> device_inputs_, bus_inputs_;
+  std::vector<std::unique_ptr<OutputLink>> device_outputs_;
+  std::vector<std::unique_ptr<PvLink>> pvs_;
+  std::vector<std::vector<Slot>> pv_sent_;
+  std::vector<std::int64_t> pv_sent_ns_;
+  std::vector<std::uint64_t> pv_count_;
+  std::vector<std::uint64_t> output_count_;
+  std::unique_ptr<RetainLink> retain_;
+  std::vector<Slot> retained_sent_;
+  std::vector<TagIndex> outputs_;
+
+  StationState state_ = StationState::STOPPED;
+  StopCause cause_ = StopCause::never_started;
+  Restart restart_ = Restart::cold;
+  bool started_ = false;          // the next execute() is the first after Start
+  bool finished_ = false;         // the program reached the end of its piece while STOPPING
+  bool sealed_ = false;
+  std::uint32_t fault_ = 0;
+  std::uint32_t pending_fault_ = 0;
+  std::int64_t pending_detail_ = 0;
+  std::array<Warning, kMaxWarnings> warnings_{};
+  std::uint32_t event_seq_ = 0;
+  std::uint64_t events_dropped_ = 0;
+  std::uint64_t last_stop_order_ = 0;
+  std::uint64_t scan_ = 0;
+  std::int64_t now_ns_ = 0;
+  std::int64_t utc_ns_ = 0;
+  std::uint64_t retain_urgent_ = 0;
+  std::uint64_t retain_scan_ = 0;
+  std::uint32_t step_ = 0, piece_ = 0;
+  bool ready_ = false;
+};
+
+}  // namespace stationd
