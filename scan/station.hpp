@@ -3,8 +3,10 @@
 // Set-up by one thread; then the scan thread alone, except port() and the links' other ends.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +46,8 @@ class Station {
   /// Limits for the bus links that the program's subscriptions made.
   void set_bus_limits(std::int64_t stale_after_ns, std::int64_t bad_after_ns);
   void seal();
-  /// After seal(): the retained tags as they were saved, in the order of retain().tags. Makes the restart warm.
+  /// After seal(): the retained tags as they were saved, in the order of retain().tags. Makes the restart warm; with
+  /// OnRestart::resume a station that was running goes on. Throws SetupError when the number of slots is another.
   void restore(std::span<const Slot> slots);
 
   // -- What other threads hold ---------------------------------------------------------------------------------------
@@ -105,6 +108,7 @@ class Station {
   std::unique_ptr<RetainLink> retain_;
   std::vector<Slot> retained_sent_;
   std::vector<TagIndex> outputs_;
+  TagIndex running_tag_ = 0;  // retained: whether the station was running, for OnRestart::resume
 
   StationState state_ = StationState::STOPPED;
   StopCause cause_ = StopCause::never_started;

@@ -1,0 +1,137 @@
+#include "scan/rt_thread.hpp"
+
+#include <alloca.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/eventfd.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "scan/error.hpp"
+
+namespace stationd {
+namespace {
+
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+constexpr std::size_t kStackBytes = 256 * 1024;
+constexpr std::size_t kPrefaultBytes = 128 * 1024;
+constexpr int kWakeSignal = SIGUSR1;  // interrupts the wait for a due time
+
+std::int64_t clock_ns(clockid_t clock) noexcept {
+  timespec t{};
+  clock_gettime(clock, &t);
+  return t.tv_sec * kSecondNs + t.tv_nsec;
+}
+
+void prefault_stack() noexcept {
+  volatile unsigned char* stack = static_cast<unsigned char*>(alloca(kPrefaultBytes));
+  for (std::size_t i = 0; i < kPrefaultBytes; i += 4096) stack[i] = 0;
+}
+
+void install_wake_signal() {
+  struct sigaction action {};
+  action.sa_handler = [](int) {};
+  sigaction(kWakeSignal, &action, nullptr);
+}
+
+}  // namespace
+
+std::int64_t monotonic_ns() noexcept { return clock_ns(CLOCK_MONOTONIC); }
+std::int64_t utc_offset_ns() noexcept { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
+
+RtGrant lock_memory() {
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {"memory lock", true, ""};
+  return {"memory lock", false,
+          std::string(std::strerror(errno)) + ": grant CAP_IPC_LOCK or raise the memlock limit (systemd: LimitMEMLOCK=)"};
+}
+
+RtThread::RtThread(Task& task, RtOptions options, const std::atomic<std::int64_t>& utc_offset_ns)
+    : task_(task), options_(options), utc_offset_ns_(utc_offset_ns) {}
+
+RtThread::~RtThread() {
+  if (started_) stop(kSecondNs);
+}
+
+std::vector<RtGrant> RtThread::start() {
+  install_wake_signal();
+  std::vector<RtGrant> grants;
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kStackBytes);
+  const int made = pthread_create(&thread_, &attributes, &RtThread::entry, this);
+  pthread_attr_destroy(&attributes);
+  if (made != 0) throw SetupError("no thread for task " + task_.options().name + ": " + std::strerror(made));
+  started_ = true;
+  pthread_setname_np(thread_, ("scan-" + task_.options().name).substr(0, 15).c_str());
+  if (options_.cpu >= 0) {
+    cpu_set_t cpus;
+    CPU_ZERO(&cpus);
+    CPU_SET(static_cast<std::size_t>(options_.cpu), &cpus);
+    const int e = pthread_setaffinity_np(thread_, sizeof cpus, &cpus);
+    grants.push_back({"CPU " + std::to_string(options_.cpu), e == 0,
+                      e == 0 ? "" : std::string(std::strerror(e)) + ": choose a CPU that this machine has and allows"});
+  }
+  if (options_.priority > 0) {
+    sched_param parameters{};
+    parameters.sched_priority = options_.priority;
+    const int e = pthread_setschedparam(thread_, SCHED_FIFO, &parameters);
+    grants.push_back({"SCHED_FIFO " + std::to_string(options_.priority), e == 0,
+                      e == 0 ? "" : std::string(std::strerror(e)) +
+                                        ": grant CAP_SYS_NICE or raise the rtprio limit (systemd: LimitRTPRIO=)"});
+  }
+  return grants;
+}
+
+void* RtThread::entry(void* self) {
+  static_cast<RtThread*>(self)->loop();
+  return nullptr;
+}
+
+void RtThread::wait_until(std::int64_t due_ns) const noexcept {
+  const std::int64_t wake_ns = due_ns - options_.spin_ns;
+  const timespec at{wake_ns / kSecondNs, wake_ns % kSecondNs};
+  while (!stop_.load(std::memory_order_relaxed) &&
+         clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr) == EINTR) {
+  }
+  while (options_.spin_ns > 0 && monotonic_ns() < due_ns && !stop_.load(std::memory_order_relaxed)) {
+  }
+}
+
+void RtThread::loop() noexcept {
+  prefault_stack();
+  const std::int64_t period_ns = task_.options().period_ns;
+  const std::int64_t start_ns = (monotonic_ns() / period_ns + 1) * period_ns;
+  const Schedule schedule(start_ns, task_.options().phase_ns, period_ns);
+  std::uint64_t k = 0;
+  while (true) {
+    wait_until(schedule.due_ns(k));
+    if (stop_.load(std::memory_order_acquire)) break;
+    k = task_.run(schedule, k, monotonic_ns(), utc_offset_ns_.load(std::memory_order_relaxed));
+    if (options_.wake_fd >= 0) {
+      const std::uint64_t one = 1;  // EAGAIN means that the reader has yet to look: nothing is lost
+      static_cast<void>(!write(options_.wake_fd, &one, sizeof one));
+    }
+  }
+  ended_.store(true, std::memory_order_release);
+}
+
+bool RtThread::stop(std::int64_t limit_ns) noexcept {
+  if (!started_) return true;
+  stop_.store(true, std::memory_order_release);
+  const std::int64_t until_ns = monotonic_ns() + limit_ns;
+  while (!ended_.load(std::memory_order_acquire)) {
+    if (monotonic_ns() > until_ns) return false;
+    pthread_kill(thread_, kWakeSignal);
+    const timespec pause{0, 1'000'000};
+    nanosleep(&pause, nullptr);
+  }
+  pthread_join(thread_, nullptr);
+  started_ = false;
+  return true;
+}
+
+}  // namespace stationd

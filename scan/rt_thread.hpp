@@ -1,0 +1,74 @@
+// RtThread: the real-time thread that drives one task on its grid, and the rights it asks the kernel for.
+// Owned by the daemon; the one place in scan/ that knows clocks and threads.
+// Constructed and joined by a plain thread; the loop itself is the scan thread.
+#pragma once
+
+#include <pthread.h>
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "scan/task.hpp"
+
+namespace stationd {
+
+/// CLOCK_MONOTONIC in nanoseconds.
+std::int64_t monotonic_ns() noexcept;
+/// CLOCK_REALTIME less CLOCK_MONOTONIC, in nanoseconds.
+std::int64_t utc_offset_ns() noexcept;
+
+class MonotonicStopwatch final : public Stopwatch {
+ public:
+  std::int64_t now_ns() noexcept override { return monotonic_ns(); }
+};
+
+struct RtOptions {
+  int priority = 0;          ///< SCHED_FIFO 1..95; 0: normal scheduling
+  int cpu = -1;              ///< pinned to; -1: not
+  std::int64_t spin_ns = 0;  ///< wake that much early and busy-wait to the due time
+  int wake_fd = -1;          ///< eventfd written after each cycle's commit; -1: none
+};
+
+/// What was asked of the kernel and what it said, for log and Status.
+struct RtGrant {
+  std::string what;     ///< "SCHED_FIFO 80", "memory lock", "CPU 1", ...
+  bool granted = false;
+  std::string reason;   ///< why refused, and what to do about it
+};
+
+/// Locks all present and future memory. From set-up, before threads start.
+RtGrant lock_memory();
+
+class RtThread {
+ public:
+  /// `utc_offset_ns`: kept up to date by somebody else; read once a cycle.
+  RtThread(Task& task, RtOptions options, const std::atomic<std::int64_t>& utc_offset_ns);
+  ~RtThread();
+  RtThread(const RtThread&) = delete;
+  RtThread& operator=(const RtThread&) = delete;
+
+  /// Starts the thread and asks for its rights; the first due time is the next multiple of the period. Throws SetupError when no thread
+  /// can be had at all; refused rights are in the result.
+  std::vector<RtGrant> start();
+  /// Ends after the running cycle, at once if it waits. Joins. False: it did not end within `limit_ns` and was left alone.
+  bool stop(std::int64_t limit_ns) noexcept;
+  bool running() const noexcept { return started_; }
+
+ private:
+  static void* entry(void* self);
+  void loop() noexcept;
+  void wait_until(std::int64_t due_ns) const noexcept;
+
+  Task& task_;
+  RtOptions options_;
+  const std::atomic<std::int64_t>& utc_offset_ns_;
+  std::atomic<bool> stop_{false};
+  std::atomic<bool> ended_{false};
+  bool started_ = false;
+  pthread_t thread_{};
+};
+
+}  // namespace stationd

@@ -1,0 +1,154 @@
+// The phases of a station's scan: latch, execute, commit, publish. Scan thread; nothing here allocates or blocks.
+#include <algorithm>
+#include <cstring>
+
+#include "scan/codes.hpp"
+#include "scan/station.hpp"
+
+namespace stationd {
+namespace {
+
+Quality judge(const BlockHeader& header, const InputLink& link, std::int64_t now_ns) noexcept {
+  if (header.count == 0) return Quality::BAD;
+  const std::int64_t age_ns = now_ns - header.time_ns;
+  if (age_ns > link.bad_after_ns) return Quality::BAD;
+  if (age_ns > link.stale_after_ns) return std::min(header.quality, Quality::STALE);
+  return header.quality;
+}
+
+/// Copies a link's tags from the image into a block, in order.
+void gather(const Image& image, const LinkTags& tags, BlockView block) noexcept {
+  Slot* out = block.slots().data();
+  Quality* quality = block.qualities().data();
+  for (const TagIndex tag : tags.tags) {
+    const Slot* value = image.value(tag);
+    const std::uint32_t n = image.slot_count(tag);
+    for (std::uint32_t i = 0; i < n; ++i) *out++ = value[i];
+    *quality++ = *image.quality(tag);
+  }
+}
+
+}  // namespace
+
+void Station::latch_link(InputLink& link, std::int64_t now_ns) noexcept {
+  const bool fresh = link.blocks.update();
+  const ConstBlockView block{link.blocks.readable(), link.tags.layout};
+  const Quality source = judge(block.header(), link, now_ns);
+  const Slot* in = block.slots().data();
+  const Quality* quality = block.qualities().data();
+  for (const TagIndex tag : link.tags.tags) {
+    const std::uint32_t n = image_.slot_count(tag);
+    if (fresh) std::copy(in, in + n, image_.value(tag));
+    in += n;
+    *image_.quality(tag) = std::min(source, *quality++);
+  }
+}
+
+void Station::latch(std::int64_t now_ns) noexcept {
+  for (auto& link : device_inputs_) latch_link(*link, now_ns);
+  for (auto& link : bus_inputs_) latch_link(*link, now_ns);
+}
+
+void Station::take_orders() noexcept {
+  const StopLatch::Taken stop = port_.stop.take();
+  if (stop.mode == StopMode::none) return;
+  last_stop_order_ = std::max(last_stop_order_, stop.order);
+  if (state_ != StationState::RUNNING && state_ != StationState::STOPPING) {
+    if (state_ == StationState::STOPPED) cause_ = StopCause::ordered;
+    return;
+  }
+  if (stop.mode == StopMode::immediate) enter(StationState::STOPPED, StopCause::ordered);
+  else enter(StationState::STOPPING, StopCause::ordered);
+}
+
+void Station::execute(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept {
+  now_ns_ = now_ns;
+  utc_ns_ = now_ns + utc_offset_ns;
+  scan_ = scan;
+  Cycle cycle(*this, now_ns);
+  if (state_ == StationState::RUNNING || state_ == StationState::STOPPING) {
+    program_->execute(cycle);
+    started_ = false;
+    if (finished_ && state_ == StationState::STOPPING) enter(StationState::STOPPED, StopCause::ordered);
+  } else {
+    program_->idle(cycle);
+    ready_ = false;
+  }
+  if (pending_fault_ != 0) {
+    const std::uint32_t code = pending_fault_;
+    pending_fault_ = 0;
+    fault(code, pending_detail_);
+  }
+}
+
+void Station::apply_safe_outputs() noexcept {
+  if (state_ == StationState::RUNNING || state_ == StationState::STOPPING) return;
+  for (const TagIndex tag : outputs_) {
+    const TagSpec& spec = image_.spec(tag);
+    if (!spec.hold) *image_.value(tag) = spec.safe;
+  }
+}
+
+void Station::commit(std::int64_t now_ns) noexcept {
+  apply_safe_outputs();
+  for (std::size_t i = 0; i < device_outputs_.size(); ++i) {
+    OutputLink& link = *device_outputs_[i];
+    const BlockView block{link.blocks.writable(), link.tags.layout};
+    gather(image_, link.tags, block);
+    block.header() = {now_ns, utc_ns_, scan_, ++output_count_[i], Quality::GOOD};
+    link.blocks.publish();
+  }
+}
+
+void Station::publish_pv(PvLink& link, std::size_t index, std::int64_t now_ns) noexcept {
+  const BlockView block{link.blocks.writable(), link.tags.layout};
+  gather(image_, link.tags, block);
+  std::vector<Slot>& sent = pv_sent_[index];
+  const bool changed = !std::equal(sent.begin(), sent.end(), block.slots().begin());
+  if (!changed && pv_count_[index] != 0 && now_ns - pv_sent_ns_[index] < link.heartbeat_ns) return;
+  std::copy(block.slots().begin(), block.slots().end(), sent.begin());
+  pv_sent_ns_[index] = now_ns;
+  block.header() = {now_ns, utc_ns_, scan_, ++pv_count_[index], Quality::GOOD};
+  if (link.blocks.publish() && changed) link.overtaken.fetch_add(1, std::memory_order_relaxed);
+}
+
+void Station::publish_retained() noexcept {
+  const BlockView block{retain_->blocks.writable(), retain_->tags.layout};
+  gather(image_, retain_->tags, block);
+  const bool changed = !std::equal(retained_sent_.begin(), retained_sent_.end(), block.slots().begin());
+  if (!changed && retain_urgent_ <= retain_scan_) return;
+  std::copy(block.slots().begin(), block.slots().end(), retained_sent_.begin());
+  retain_scan_ = scan_;
+  block.header() = {now_ns_, utc_ns_, scan_, scan_ + 1, Quality::GOOD};
+  retain_->blocks.publish();
+  if (retain_urgent_ == scan_) retain_->urgent_scan.store(scan_, std::memory_order_release);
+}
+
+void Station::publish(std::int64_t now_ns, std::uint64_t deadline_misses) noexcept {
+  for (std::size_t i = 0; i < pvs_.size(); ++i) publish_pv(*pvs_[i], i, now_ns);
+  publish_retained();
+  const std::uint64_t dropped = port_.events.dropped();
+  if (dropped != events_dropped_) {
+    events_dropped_ = dropped;
+    raise(code::events_lost, true, static_cast<std::int64_t>(dropped));
+    events_dropped_ = port_.events.dropped();
+  }
+  StatusRecord status;
+  status.state = state_;
+  status.cause = cause_;
+  status.ready = ready_ && state_ == StationState::RUNNING;
+  status.epoch = options_.epoch;
+  status.fault = fault_;
+  for (const Warning& w : warnings_)
+    if (w.code != 0) status.warning = w.code;
+  status.step = step_;
+  status.piece = piece_;
+  status.scan = scan_;
+  status.deadline_misses = deadline_misses;
+  status.time_ns = now_ns;
+  status.utc_ns = utc_ns_;
+  port_.status.publish(status);
+  port_.progress.store(scan_ + 1, std::memory_order_release);
+}
+
+}  // namespace stationd

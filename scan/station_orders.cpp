@@ -1,0 +1,159 @@
+// Orders, faults, warnings and events of a station. Scan thread; nothing here allocates or blocks.
+#include <algorithm>
+
+#include "scan/codes.hpp"
+#include "scan/station.hpp"
+
+namespace stationd {
+
+void Station::enter(StationState state, StopCause cause) noexcept {
+  if (state == StationState::RUNNING && state_ != StationState::RUNNING) started_ = true;
+  const bool driven = state == StationState::RUNNING || state == StationState::STOPPING;
+  if (!driven) port_.permit.store(false, std::memory_order_release);
+  else if (state_ == StationState::STOPPED) port_.permit.store(true, std::memory_order_release);
+  *image_.value(running_tag_) = driven ? 1 : 0;
+  if (state == StationState::STOPPED || state == StationState::FAULT) {
+    for (const Warning& w : warnings_)
+      if (w.code != 0) set_warning(w.code, false, w.detail);
+    ready_ = false;
+  }
+  finished_ = false;
+  state_ = state;
+  cause_ = cause;
+}
+
+void Station::fault(std::uint32_t code, std::int64_t detail) noexcept {
+  if (state_ == StationState::FAULT) return;
+  enter(StationState::FAULT, StopCause::after_fault);
+  fault_ = code;
+  raise(code, true, detail);
+}
+
+void Station::raise(std::uint32_t code, bool active, std::int64_t detail) noexcept {
+  const CodeInfo* info = find_code(code);
+  Event event;
+  event.seq = ++event_seq_;
+  event.code = code;
+  event.severity = info != nullptr ? info->severity : Severity::warning;
+  event.active = active;
+  event.scan = scan_;
+  event.utc_ns = utc_ns_;
+  event.detail = detail;
+  port_.events.push(event);
+}
+
+void Station::set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept {
+  Warning* free_place = nullptr;
+  for (Warning& w : warnings_) {
+    if (w.code == code) {
+      if (!active) {
+        w = {};
+        raise(code, false, detail);
+      }
+      return;
+    }
+    if (w.code == 0 && free_place == nullptr) free_place = &w;
+  }
+  if (!active || free_place == nullptr) return;
+  *free_place = {code, detail};
+  raise(code, true, detail);
+}
+
+bool Station::service_one() noexcept {
+  Request request;
+  if (!port_.requests.pop(request)) return false;
+  const Reply reply = carry_out(request);
+  if (request.token != 0) port_.replies.push(reply);
+  return true;
+}
+
+Reply Station::carry_out(const Request& request) noexcept {
+  Reply reply;
+  reply.token = request.token;
+  switch (request.verb) {
+    case Verb::start: reply = start(request, reply); break;
+    case Verb::reset: reply = reset(reply); break;
+    case Verb::get:
+      reply.value = *image_.value(request.tag);
+      reply.quality = *image_.quality(request.tag);
+      break;
+  }
+  reply.state = state_;
+  return reply;
+}
+
+Reply Station::start(const Request& request, Reply reply) noexcept {
+  reply.outcome = Outcome::refused;
+  if (request.order < last_stop_order_) {
+    reply.code = code::start_overtaken;
+    return reply;
+  }
+  if (state_ != StationState::STOPPED) {
+    reply.code = code::start_in_wrong_state;
+    if (state_ == StationState::RUNNING) reply.outcome = Outcome::done;  // Start is repeated until confirmed
+    return reply;
+  }
+  for (std::size_t i = 0; i < request.assignment_count; ++i)
+    *image_.value(request.assignments[i].tag) = request.assignments[i].value;
+  enter(StationState::RUNNING, StopCause::never_started);
+  reply.outcome = Outcome::done;
+  return reply;
+}
+
+Reply Station::reset(Reply reply) noexcept {
+  reply.outcome = Outcome::refused;
+  if (state_ != StationState::FAULT) {
+    reply.code = code::not_in_fault;
+    return reply;
+  }
+  const Cycle cycle(*this, now_ns_);
+  if (const std::uint32_t obstacle = program_->reset_obstacle(cycle); obstacle != 0) {
+    reply.code = obstacle;
+    return reply;
+  }
+  const std::uint32_t old = fault_;
+  fault_ = 0;
+  enter(StationState::STOPPED, StopCause::after_fault);
+  raise(old, false, 0);
+  reply.outcome = Outcome::done;
+  return reply;
+}
+
+// -- Cycle: the program's side ----------------------------------------------------------------------------------------
+
+std::uint64_t Cycle::scan() const noexcept { return station_.scan_; }
+std::uint32_t Cycle::epoch() const noexcept { return station_.options_.epoch; }
+Restart Cycle::restart() const noexcept { return station_.restart_; }
+StationState Cycle::state() const noexcept { return station_.state_; }
+bool Cycle::started() const noexcept { return station_.started_; }
+bool Cycle::finishing() const noexcept { return station_.state_ == StationState::STOPPING; }
+void Cycle::finished() noexcept { station_.finished_ = finishing(); }
+
+void Cycle::fault(std::uint32_t code, std::int64_t detail) noexcept {
+  if (station_.pending_fault_ != 0) return;
+  station_.pending_fault_ = code;
+  station_.pending_detail_ = detail;
+}
+
+void Cycle::warn(std::uint32_t code, bool active, std::int64_t detail) noexcept {
+  station_.set_warning(code, active, detail);
+}
+
+void Cycle::note(std::uint32_t code, std::int64_t detail) noexcept { station_.raise(code, true, detail); }
+
+void Cycle::report(std::uint32_t step, std::uint32_t piece, bool ready) noexcept {
+  station_.step_ = step;
+  station_.piece_ = piece;
+  station_.ready_ = ready;
+}
+
+std::uint64_t Cycle::save_retained() noexcept {
+  station_.retain_urgent_ = station_.scan_;
+  return station_.scan_;
+}
+
+bool Cycle::saved(std::uint64_t ticket) const noexcept {
+  return station_.retain_->saved_scan.load(std::memory_order_acquire) >= ticket;
+}
+
+}  // namespace stationd
