@@ -89,6 +89,9 @@ struct Verdict {
   bool operator==(const Verdict&) const = default;
 };
 
+/// What became of a pallet's piece.
+enum class Fate : std::uint8_t { in_cell, right, wrong, removed, dropped, unstored };
+
 class Ledger {
  public:
   explicit Ledger(std::vector<PieceType> types);
@@ -104,13 +107,14 @@ class Ledger {
   const PieceType* type_of(std::uint32_t code) const noexcept;
   /// True when the stored piece is right in everything (see Verdict).
   bool is_right(const PalletRecord& record) const noexcept;
+  Fate fate_of(const PalletRecord& record) const noexcept;
 
   /// The file's content, schema:
   ///   {"time_ms": plant time, "final": bool, "verdict": {every member of Verdict}, "violations_by_kind": {name: n},
   ///    "violations": [{"at_ms", "unit", "kind", "pallet"}],
   ///    "pallets": [{"number", "code", "entered_ms", "parts": [{"part", "variant", "at_ms"}], "doubles", "seated_ms",
   ///                 "picked_ms", "stored_ms", "times_stored", "shelf", "removed_ms", "dropped_ms", "left_ms",
-  ///                 "verdict": "in_cell" | "right" | "wrong" | "removed" | "unstored"}]}
+  ///                 "fate": "in_cell" | "right" | "wrong" | "removed" | "dropped" | "unstored"}]}
   /// Times are integer milliseconds of plant time, null: never.
   std::string to_json(std::int64_t now_ns, bool final) const;
 
@@ -124,6 +128,8 @@ class Ledger {
   template <class Archive> void visit(Archive& archive);
 
  private:
+  void count_wrongs(const PalletRecord& record, Verdict& verdict) const noexcept;
+
   std::vector<PieceType> types_;
   std::vector<PalletRecord> pallets_;
   std::vector<Violation> violations_;

@@ -49,6 +49,8 @@ class Plant {
   bool operator_removes_from_gripper(int unit);
   /// Takes the pallet, with what is on it, out of a zone of the unit (outfeed: unit 4). Its piece counts as removed.
   bool operator_removes_pallet(int unit, Zone zone);
+  /// Takes a part, and what is on it, off the pallet in position.
+  bool operator_removes_part(int unit, Part lowest);
   /// Clears arm_jammed_between of the unit and leads the arm home, up.
   bool operator_frees_arm(int unit);
   /// Fills all magazines (storage: empties the shelves) of the unit.
@@ -76,9 +78,11 @@ class Plant {
   void step_outfeed();
   void step_watchdogs();
   void step_once_faults();
-  void step_operator(Station& station);
-  void remove(Pallet& pallet);
-  void drop_held(Station& station);
+  void step_operator(Station& station, const UnitFaults& faults);
+  void refresh_inputs() noexcept;
+  bool take_pallet(TrackSlot& slot);
+  bool take_held(Station& station);
+  bool take_part_off(Pallet& pallet, std::size_t lowest);
   template <class Archive> void visit(Archive& archive);
 
   PlantConfig config_;

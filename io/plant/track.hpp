@@ -106,6 +106,7 @@ class Station {
   bool on(std::size_t coil, const UnitFaults& faults) const noexcept { return io.coils[coil] && !faults.jammed(coil); }
   void flag(const Surroundings& around, ViolationKind kind, bool now) noexcept;
   void step_track(const Surroundings& around);
+  void step_arriving(const Surroundings& around);
   void step_leaving(const Surroundings& around, bool belt);
   void step_axes(const Surroundings& around);
   void step_arm(const Surroundings& around);
@@ -114,6 +115,7 @@ class Station {
   void step_reader(const Surroundings& around);
   void judge_interlocks(const Surroundings& around);
   void leave_shelf() noexcept;
+  void show_stuck(const UnitFaults& faults) noexcept;
   void grip(const Surroundings& around);
   void grip_piece(const Surroundings& around, std::uint16_t at);
   void release(const Surroundings& around);
@@ -123,9 +125,11 @@ class Station {
 
   int unit_ = 0;
   std::int64_t pitch_ns_ = 1;
+  std::int64_t entry_full_ns_ = 0;
   std::uint32_t flagged_ = 0;  ///< violations that last, by kind
   std::uint32_t code_shown_ = 0;
   bool arm_moving_ = false;
+  bool crowded_ = false;       ///< in this step a pallet was driven into a zone that is taken
 };
 
 }  // namespace stationd::plant
