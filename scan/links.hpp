@@ -35,6 +35,8 @@ struct InputLink {
   const std::int64_t bad_after_ns;    ///< age at which the scan judges it BAD
   std::vector<std::string> members;   ///< bus links: the topic's member for each tag
   Snapshot blocks;
+  bool seen = false;  ///< scan thread's own: the source was GOOD at least once
+  bool lost = false;  ///< scan thread's own: and is BAD now
 };
 
 /// Outputs to one device. Scan thread writes after each execution, the device's thread reads.

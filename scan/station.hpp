@@ -46,6 +46,8 @@ class Station {
   /// Limits for the bus links that the program's subscriptions made.
   void set_bus_limits(std::int64_t stale_after_ns, std::int64_t bad_after_ns);
   void seal();
+  /// After seal(), before the first scan: one more than the last start's, from the retained record.
+  void set_epoch(std::uint32_t epoch) noexcept { options_.epoch = epoch; }
   /// After seal(): the retained tags as they were saved, in the order of retain().tags. Makes the restart warm; with
   /// OnRestart::resume a station that was running goes on. Throws SetupError when the number of slots is another.
   void restore(std::span<const Slot> slots);
@@ -83,7 +85,7 @@ class Station {
   LinkTags link_tags(const std::vector<std::string>& names, Area area) const;
   LinkTags link_tags(const std::vector<PvMember>& members) const;
   void bind();
-  void latch_link(InputLink& link, std::int64_t now_ns) noexcept;
+  void latch_link(InputLink& link, std::int64_t now_ns, std::uint32_t lost_code, std::size_t index) noexcept;
   void apply_safe_outputs() noexcept;
   void publish_pv(PvLink& link, std::size_t index, std::int64_t now_ns) noexcept;
   void publish_retained() noexcept;

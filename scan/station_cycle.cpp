@@ -30,7 +30,7 @@ void gather(const Image& image, const LinkTags& tags, BlockView block) noexcept 
 
 }  // namespace
 
-void Station::latch_link(InputLink& link, std::int64_t now_ns) noexcept {
+void Station::latch_link(InputLink& link, std::int64_t now_ns, std::uint32_t lost_code, std::size_t index) noexcept {
   const bool fresh = link.blocks.update();
   const ConstBlockView block{link.blocks.readable(), link.tags.layout};
   const Quality source = judge(block.header(), link, now_ns);
@@ -42,11 +42,16 @@ void Station::latch_link(InputLink& link, std::int64_t now_ns) noexcept {
     in += n;
     *image_.quality(tag) = std::min(source, *quality++);
   }
+  const bool lost = link.seen && source == Quality::BAD;
+  if (source == Quality::GOOD) link.seen = true;
+  if (lost == link.lost) return;
+  link.lost = lost;
+  raise(lost_code, lost, static_cast<std::int64_t>(index));
 }
 
 void Station::latch(std::int64_t now_ns) noexcept {
-  for (auto& link : device_inputs_) latch_link(*link, now_ns);
-  for (auto& link : bus_inputs_) latch_link(*link, now_ns);
+  for (std::size_t i = 0; i < device_inputs_.size(); ++i) latch_link(*device_inputs_[i], now_ns, code::device_lost, i);
+  for (std::size_t i = 0; i < bus_inputs_.size(); ++i) latch_link(*bus_inputs_[i], now_ns, code::remote_lost, i);
 }
 
 void Station::take_orders() noexcept {

@@ -1,0 +1,212 @@
+#include "daemon/application.hpp"
+
+#include <malloc.h>
+#include <pthread.h>
+#include <signal.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "config/config.hpp"
+#include "daemon/catalogue.hpp"
+#include "daemon/controller.hpp"
+#include "daemon/exit_status.hpp"
+#include "daemon/notify.hpp"
+#include "daemon/write_safe.hpp"
+#include "scan/error.hpp"
+
+namespace stationd {
+namespace {
+
+constexpr const char* kUsage =
+    "usage: stationd FILE               run the controller that FILE describes\n"
+    "       stationd --check FILE       check FILE, say every error in it\n"
+    "       stationd --write-safe FILE  write the safe value of every output to its device, and end\n"
+    "       stationd --version | --help\n"
+    "exit status: 0 ended in order, 1 failed while running, 64 command line, 69 no bus or already running,\n"
+    "             73 state directory not writable, 77 real-time rights required but refused, 78 configuration\n";
+
+constexpr std::int64_t kHousekeepNs = 100'000'000;
+constexpr std::int64_t kStatusEveryNs = 1'000'000'000;
+constexpr std::int64_t kFirstScanLimitNs = 10'000'000'000;
+constexpr std::size_t kThreadStackBytes = 256 * 1024;  // memory is locked: default stacks of 8 MB would all be resident
+
+struct Command {
+  enum class What { run, check, write_safe } what = What::run;
+  std::string file;
+};
+
+sigset_t signals_of_interest() {
+  sigset_t set;
+  sigemptyset(&set);
+  for (const int s : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&set, s);
+  return set;
+}
+
+/// Before any thread starts: small stacks, few arenas, signals to the main thread alone.
+void prepare_process() {
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, kThreadStackBytes);
+  pthread_setattr_default_np(&attributes);
+  pthread_attr_destroy(&attributes);
+  mallopt(M_ARENA_MAX, 2);
+  const sigset_t set = signals_of_interest();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  signal(SIGPIPE, SIG_IGN);
+}
+
+LogSeverity severity_of(config::LogLevel level) { return static_cast<LogSeverity>(level); }
+
+/// The next signal of interest, or 0 after `timeout_ns`.
+int next_signal(std::int64_t timeout_ns) {
+  const sigset_t set = signals_of_interest();
+  const timespec timeout{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
+  const int s = sigtimedwait(&set, nullptr, &timeout);
+  return s > 0 ? s : 0;
+}
+
+void reload(const config::Configuration& running, Log& log, Notify& notify) {
+  notify.reloading();
+  const config::ProgramCatalogue catalogue = program_catalogue();
+  const auto fresh = config::load_controller(running.file, &catalogue);
+  if (fresh) {
+    log.set_least(severity_of(fresh.value->log_level));
+    log.info("configuration read again: log level applied; all else takes effect at the next restart");
+  } else {
+    for (const config::Problem& p : fresh.problems) log.error(p.text);
+    log.error("configuration not applied: correct the errors above and reload again");
+  }
+  notify.ready("configuration read again");
+}
+
+bool wait_for_first_scans(Controller& controller) {
+  const std::int64_t until_ns = monotonic_ns() + kFirstScanLimitNs;
+  while (!controller.first_scans_done()) {
+    if (monotonic_ns() > until_ns) return false;
+    const timespec pause{0, 1'000'000};
+    nanosleep(&pause, nullptr);
+  }
+  return true;
+}
+
+/// Until SIGTERM, SIGINT, or a reason to give up.
+int serve(Controller& controller, const config::Configuration& configuration, Log& log, Notify& notify) {
+  std::int64_t next_status_ns = 0;
+  std::int64_t next_watchdog_ns = 0;
+  while (true) {
+    const int s = next_signal(kHousekeepNs);
+    if (s == SIGTERM || s == SIGINT) {
+      log.info(std::string(s == SIGTERM ? "SIGTERM" : "SIGINT") + ": stopping, outputs go safe");
+      return kExitOk;
+    }
+    if (s == SIGHUP) reload(configuration, log, notify);
+    const std::int64_t now_ns = monotonic_ns();
+    controller.housekeep(now_ns);
+    if (const std::string name = controller.duplicate_station(); !name.empty()) {
+      log.error("station \"" + name + "\" is already run by another daemon in cell \"" + configuration.bus.cell +
+                "\", domain " + std::to_string(configuration.bus.domain) + ": give it another name or stop the other");
+      return kExitUnavailable;
+    }
+    if (now_ns >= next_status_ns) {
+      notify.status(controller.status_line());
+      next_status_ns = now_ns + kStatusEveryNs;
+    }
+    const bool alive = controller.made_progress(now_ns);
+    if (alive && notify.watchdog_limit_ns() > 0 && now_ns >= next_watchdog_ns) {
+      notify.watchdog();
+      next_watchdog_ns = now_ns + notify.watchdog_limit_ns() / 4;
+    }
+  }
+}
+
+int run_controller(const config::Configuration& configuration, Log& log, Notify& notify) {
+  Controller controller(configuration, log);
+  const std::vector<RtGrant> grants = controller.start();
+  for (const RtGrant& grant : grants)
+    if (!grant.granted && configuration.require_realtime) {
+      log.error("require_realtime is set and " + grant.what + " was refused: " + grant.reason);
+      controller.stop();
+      return kExitNoPermission;
+    }
+  if (!wait_for_first_scans(controller)) {
+    log.error("no first scan within 10 s");
+    controller.stop();
+    return kExitFailure;
+  }
+  log.info("ready: " + controller.status_line());
+  notify.ready(controller.status_line());
+  int status = serve(controller, configuration, log, notify);
+  notify.stopping();
+  if (!controller.stop() && status == kExitOk) status = kExitFailure;
+  log.info("ended: " + controller.status_line());
+  return status;
+}
+
+int run(const config::Configuration& configuration) {
+  prepare_process();
+  Log log(configuration.name, severity_of(configuration.log_level));
+  SystemdNotify notify;
+  try {
+    return run_controller(configuration, log, notify);
+  } catch (const AlreadyRunning& e) {
+    log.error(e.what());
+    return kExitUnavailable;
+  } catch (const bus::BusError& e) {
+    log.error(e.what());
+    return kExitUnavailable;
+  } catch (const SetupError& e) {
+    log.error(e.what());
+    return kExitCannotCreate;
+  } catch (const std::exception& e) {
+    log.error(std::string("cannot start: ") + e.what());
+    return kExitOsError;
+  }
+}
+
+bool parse(const std::vector<std::string>& arguments, Command& command, std::string& error) {
+  for (const std::string& a : arguments) {
+    if (a == "--check") command.what = Command::What::check;
+    else if (a == "--write-safe") command.what = Command::What::write_safe;
+    else if (a.size() > 1 && a.front() == '-') error = "unknown option \"" + a + "\"";
+    else if (!command.file.empty()) error = "more than one FILE: \"" + command.file + "\" and \"" + a + "\"";
+    else command.file = a;
+  }
+  if (error.empty() && command.file.empty()) error = "no FILE given";
+  return error.empty();
+}
+
+}  // namespace
+
+int run_stationd(const std::vector<std::string>& arguments) {
+  for (const std::string& a : arguments) {
+    if (a == "--help" || a == "-h") return std::fputs(kUsage, stdout) < 0 ? kExitFailure : kExitOk;
+    if (a == "--version")
+      return std::printf("stationd %s, %s\n", STATIOND_VERSION, bus::dds_version().c_str()) < 0 ? kExitFailure : kExitOk;
+  }
+  Command command;
+  std::string error;
+  if (!parse(arguments, command, error)) {
+    std::fprintf(stderr, "stationd: %s\n%s", error.c_str(), kUsage);
+    return kExitUsage;
+  }
+  const config::ProgramCatalogue catalogue = program_catalogue();
+  const auto loaded = config::load_controller(command.file, &catalogue);
+  if (!loaded) {
+    for (const config::Problem& p : loaded.problems) std::fprintf(stderr, "%s\n", p.text.c_str());
+    std::fprintf(stderr, "stationd: %zu error%s in %s\n", loaded.problems.size(),
+                 loaded.problems.size() == 1 ? "" : "s", command.file.c_str());
+    return kExitConfig;
+  }
+  switch (command.what) {
+    case Command::What::check:
+      std::printf("%s: good: controller %s, %zu stations, %zu devices\n", command.file.c_str(),
+                  loaded.value->name.c_str(), loaded.value->stations.size(), loaded.value->devices.size());
+      return kExitOk;
+    case Command::What::write_safe: return write_safe_outputs(*loaded.value);
+    case Command::What::run: break;
+  }
+  return run(*loaded.value);
+}
+
+}  // namespace stationd

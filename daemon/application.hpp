@@ -1,0 +1,14 @@
+// The program `stationd`: command line, signals, service notification, exit statuses around one Controller.
+// Owned by main().
+// The main thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace stationd {
+
+/// Runs what the command line asks for; the result is the process's exit status (exit_status.hpp).
+int run_stationd(const std::vector<std::string>& arguments);
+
+}  // namespace stationd

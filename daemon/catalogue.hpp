@@ -1,0 +1,12 @@
+// Catalogue: tells the configuration which programs there are and what tags they declare.
+// Owned by main(); a plain value.
+// Set-up only.
+#pragma once
+
+#include "config/config.hpp"
+
+namespace stationd {
+
+config::ProgramCatalogue program_catalogue();
+
+}  // namespace stationd

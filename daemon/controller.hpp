@@ -1,0 +1,93 @@
+// Controller: everything that one configuration file asks for, built and connected: stations, tasks, devices, bus, stores.
+// Owned by main(); the one place that composes the rest.
+// Built, started and stopped by the main thread; the threads it starts are in docs/architecture.md.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "config/config.hpp"
+#include "daemon/log.hpp"
+#include "daemon/miss_report.hpp"
+#include "daemon/retain_thread.hpp"
+#include "dds_bridge/station_bridge.hpp"
+#include "io/device.hpp"
+#include "io/plant/simulated_backend.hpp"
+#include "scan/rt_thread.hpp"
+#include "scan/task.hpp"
+
+namespace stationd {
+
+/// The state directory is in use by another daemon of the same controller.
+class AlreadyRunning : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class Controller {
+ public:
+  /// Builds all, connects all; nothing runs yet. Throws SetupError, AlreadyRunning, bus::BusError.
+  Controller(const config::Configuration& configuration, Log& log);
+  ~Controller();
+  Controller(const Controller&) = delete;
+  Controller& operator=(const Controller&) = delete;
+
+  /// Devices, bus, then scans. What the kernel refused is logged and returned; throws like the constructor.
+  std::vector<RtGrant> start();
+  /// Scans end, outputs go safe, retained tags are saved, peers are told. False: a scan thread did not end.
+  bool stop() noexcept;
+
+  /// True once every task has run its first scan.
+  bool first_scans_done() const;
+  /// True if each task made progress since the last call, or had no scan due since.
+  bool made_progress(std::int64_t now_ns);
+  /// Another live daemon has a station of one of our names; empty: none was seen.
+  std::string duplicate_station() const;
+  /// Housekeeping, a few times a second: log lines about deadline misses, UTC offset.
+  void housekeep(std::int64_t now_ns);
+  /// "1234 scans, 0 deadline misses", for the service manager.
+  std::string status_line() const;
+
+ private:
+  struct RunningTask {
+    std::unique_ptr<Task> task;
+    std::unique_ptr<RtThread> thread;
+    std::unique_ptr<MissReport> report;
+    std::int64_t watchdog_ns = 0;
+    std::uint64_t seen_scans = 0;
+    std::int64_t progress_ns = 0;
+    RtOptions rt;
+  };
+
+  void lock_state_directory();
+  void build_station(const config::StationConfig& station);
+  void map_tags(Station& station, const config::StationConfig& config);
+  void restore(Station& station);
+  void build_devices();
+  void build_device(const io::DeviceOptions& options);
+  std::unique_ptr<io::Backend> make_backend(const io::DeviceOptions& options, const std::vector<io::Point>& points);
+  void build_tasks();
+  void build_bus();
+  void log_grants(const std::vector<RtGrant>& grants);
+  bus::TaskFigures figures_of(const Task& task) const;
+
+  const config::Configuration& configuration_;
+  Log& log_;
+  int lock_fd_ = -1;
+  MonotonicStopwatch stopwatch_;
+  std::atomic<std::int64_t> utc_offset_ns_;
+  std::string realtime_;  // what was granted and refused, for Status; written before the bus starts
+  std::vector<std::unique_ptr<Station>> stations_;
+  std::unique_ptr<RetainThread> retain_;
+  std::shared_ptr<plant::SharedPlant> plant_;
+  std::vector<std::unique_ptr<io::Device>> devices_;
+  std::vector<RunningTask> tasks_;
+  std::unique_ptr<bus::Bus> bus_;
+  std::unique_ptr<bus::StationBridge> bridge_;
+};
+
+}  // namespace stationd

@@ -1,0 +1,166 @@
+// Building a controller from its configuration: stations, devices, tasks, bus; nothing runs yet.
+#include <fcntl.h>
+#include <sys/eventfd.h>
+#include <sys/file.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cstring>
+
+#include "daemon/controller.hpp"
+#include "io/modbus/modbus_backend.hpp"
+#include "io/null_backend.hpp"
+#include "programs/programs.hpp"
+#include "scan/error.hpp"
+
+namespace stationd {
+namespace {
+
+constexpr std::int64_t kRetainIntervalNs = 1'000'000'000;
+
+std::vector<std::string> tags_on(const std::vector<config::TagMapping>& mappings, const std::string& device) {
+  std::vector<std::string> tags;
+  for (const config::TagMapping& m : mappings)
+    if (m.device == device) tags.push_back(m.tag);
+  return tags;
+}
+
+}  // namespace
+
+Controller::Controller(const config::Configuration& configuration, Log& log)
+    : configuration_(configuration), log_(log), utc_offset_ns_(stationd::utc_offset_ns()) {
+  lock_state_directory();
+  retain_ = std::make_unique<RetainThread>(log_, kRetainIntervalNs);
+  for (const config::StationConfig& s : configuration_.stations) build_station(s);
+  build_devices();
+  build_bus();
+  build_tasks();
+}
+
+void Controller::lock_state_directory() {
+  std::error_code e;
+  std::filesystem::create_directories(configuration_.state_dir, e);
+  const std::filesystem::path path = configuration_.state_dir / (configuration_.name + ".lock");
+  lock_fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
+  if (lock_fd_ < 0)
+    throw SetupError("state directory " + configuration_.state_dir.string() + " cannot be written: " +
+                     std::strerror(errno) +
+                     "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
+  if (flock(lock_fd_, LOCK_EX | LOCK_NB) != 0)
+    throw AlreadyRunning("controller \"" + configuration_.name + "\" is already running: its lock " + path.string() +
+                         " is held; stop that daemon first");
+}
+
+void Controller::build_station(const config::StationConfig& s) {
+  const ProgramOptions program{s.name, s.upstream, s.downstream, configuration_.recipes};
+  StationOptions options;
+  options.name = s.name;
+  options.on_restart = s.on_restart;
+  options.pv_heartbeat_ns = configuration_.pv_heartbeat_ns;
+  auto station = std::make_unique<Station>(options, make_program(s.program, program));
+  map_tags(*station, s);
+  station->set_bus_limits(configuration_.bus_stale_after_ns, configuration_.bus_bad_after_ns);
+  station->seal();
+  restore(*station);
+  stations_.push_back(std::move(station));
+}
+
+void Controller::map_tags(Station& station, const config::StationConfig& s) {
+  Image& image = station.image();
+  for (const config::TagMapping& m : s.outputs) {
+    TagSpec& spec = image.spec(*image.find(m.tag));
+    spec.hold = m.point.safe_action == io::SafeAction::hold;
+    spec.safe = m.point.safe_value;
+  }
+  for (const config::ParameterConfig& p : s.parameters) image.spec(*image.find(p.tag)).initial = p.value;
+  for (const io::DeviceOptions& d : configuration_.devices) {
+    if (const auto tags = tags_on(s.inputs, d.name); !tags.empty())
+      station.add_device_inputs(d.name, tags, d.stale_after_ns, d.bad_after_ns);
+    if (const auto tags = tags_on(s.outputs, d.name); !tags.empty()) station.add_device_outputs(d.name, tags);
+  }
+}
+
+void Controller::restore(Station& station) {
+  auto store = std::make_unique<RetainStore>(configuration_.state_dir, station.name(),
+                                             layout_hash(station.image(), station.retain().tags.tags));
+  const RetainStore::Loaded loaded = store->load();
+  std::uint32_t epoch = loaded.epoch + 1;
+  if (!loaded.refused.empty()) {
+    log_.warning("station " + station.name() + ": retained data refused: " + loaded.refused +
+                 (loaded.record ? "; the older generation is used" : "; starting cold"));
+    // Without any readable record the last epoch is unknown: a time stamp is above every count of starts.
+    if (loaded.epoch == 0) epoch = static_cast<std::uint32_t>(time(nullptr));
+  }
+  station.set_epoch(epoch);
+  if (loaded.record) station.restore(loaded.record->slots);
+  std::vector<Slot> slots;
+  for (const TagIndex tag : station.retain().tags.tags)
+    for (std::uint32_t i = 0; i < station.image().slot_count(tag); ++i) slots.push_back(station.image().value(tag)[i]);
+  if (!store->save(epoch, slots)) throw SetupError("retained tags cannot be written: " + store->error());
+  log_.info("station " + station.name() + ": epoch " + std::to_string(epoch) + ", " +
+            (loaded.record ? "warm" : "cold") + " start");
+  retain_->add(station, std::move(store));
+}
+
+std::unique_ptr<io::Backend> Controller::make_backend(const io::DeviceOptions& options,
+                                                      const std::vector<io::Point>& points) {
+  switch (options.kind) {
+    case io::DeviceKind::modbus: return std::make_unique<io::ModbusBackend>(options, points);
+    case io::DeviceKind::null: return std::make_unique<io::NullBackend>(points);
+    case io::DeviceKind::simulated: break;
+  }
+  if (!plant_) plant_ = std::make_shared<plant::SharedPlant>(configuration_.plant);
+  return std::make_unique<io::SimulatedBackend>(plant_, options.unit, points);
+}
+
+void Controller::build_devices() {
+  for (const io::DeviceOptions& d : configuration_.devices) build_device(d);
+}
+
+void Controller::build_device(const io::DeviceOptions& options) {
+  std::vector<io::Point> points;
+  std::vector<io::DeviceBinding> bindings;
+  for (std::size_t i = 0; i < stations_.size(); ++i) {
+    Station& station = *stations_[i];
+    io::DeviceBinding binding;
+    binding.permit = &station.port().permit;
+    for (auto& link : station.device_inputs())
+      if (link->device_name() == options.name) binding.inputs = link.get();
+    for (auto& link : station.device_outputs())
+      if (link->device == options.name) binding.outputs = link.get();
+    for (const auto& m : configuration_.stations[i].inputs)
+      if (m.device == options.name) points.push_back(m.point);
+    for (const auto& m : configuration_.stations[i].outputs)
+      if (m.device == options.name) points.push_back(m.point);
+    bindings.push_back(binding);
+  }
+  (void)bindings;
+}
+
+void Controller::build_tasks() {
+  for (const config::TaskConfig& t : configuration_.tasks) {
+    std::vector<Station*> stations;
+    std::string names;
+    for (std::size_t i = 0; i < stations_.size(); ++i) {
+      if (configuration_.stations[i].task != t.name) continue;
+      stations.push_back(stations_[i].get());
+      names += (names.empty() ? "" : ", ") + stations_[i]->name();
+    }
+    if (stations.empty()) continue;
+    TaskOptions options;
+    options.name = t.name;
+    options.period_ns = t.period_ns;
+    options.phase_ns = t.phase_ns;
+    options.overrun = t.overrun == config::Overrun::fault ? OverrunPolicy::fault : OverrunPolicy::skip;
+    RunningTask running;
+    running.rt = {t.priority, t.cpu, t.spin_ns, bridge_->wake_fd()};
+    running.watchdog_ns = t.watchdog_ns;
+    running.report = std::make_unique<MissReport>(t.name, names);
+    running.task = std::make_unique<Task>(options, std::move(stations), stopwatch_);
+    tasks_.push_back(std::move(running));
+  }
+}
+
+void Controller::build_bus() {}
+
+}  // namespace stationd

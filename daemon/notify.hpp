@@ -1,0 +1,39 @@
+// Notify: the service manager's notification socket (sd_notify).
+// Owned by main().
+// The main thread only.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace stationd {
+
+/// Seam: real (systemd), null (nobody asks), fake (tests).
+class Notify {
+ public:
+  virtual ~Notify() = default;
+  virtual void ready(const std::string& status) = 0;
+  virtual void status(const std::string& text) = 0;
+  virtual void watchdog() = 0;
+  virtual void reloading() = 0;
+  virtual void stopping() = 0;
+  /// What the service manager's watchdog allows between two calls of watchdog(); 0: it does not watch.
+  virtual std::int64_t watchdog_limit_ns() const = 0;
+};
+
+/// Sends to $NOTIFY_SOCKET; without one every call does nothing.
+class SystemdNotify final : public Notify {
+ public:
+  SystemdNotify();
+  void ready(const std::string& status) override;
+  void status(const std::string& text) override;
+  void watchdog() override;
+  void reloading() override;
+  void stopping() override;
+  std::int64_t watchdog_limit_ns() const override { return watchdog_limit_ns_; }
+
+ private:
+  std::int64_t watchdog_limit_ns_ = 0;
+};
+
+}  // namespace stationd

@@ -1,0 +1,68 @@
+#include "daemon/retain_thread.hpp"
+
+#include <chrono>
+
+#include "scan/rt_thread.hpp"
+
+namespace stationd {
+namespace {
+
+constexpr std::chrono::milliseconds kLookEvery{5};
+
+}  // namespace
+
+RetainThread::RetainThread(Log& log, std::int64_t interval_ns) : log_(log), interval_ns_(interval_ns) {}
+
+RetainThread::~RetainThread() { stop(); }
+
+void RetainThread::add(Station& station, std::unique_ptr<RetainStore> store) {
+  items_.push_back({&station, std::move(store)});
+}
+
+void RetainThread::start() {
+  thread_ = std::thread([this] { loop(); });
+  pthread_setname_np(thread_.native_handle(), "retain");
+}
+
+void RetainThread::stop() noexcept {
+  if (!thread_.joinable()) return;
+  stop_.store(true);
+  thread_.join();
+}
+
+void RetainThread::loop() noexcept {
+  while (!stop_.load()) {
+    for (Item& item : items_) look_at(item, monotonic_ns(), false);
+    std::this_thread::sleep_for(kLookEvery);
+  }
+  for (Item& item : items_) look_at(item, monotonic_ns(), true);
+}
+
+void RetainThread::look_at(Item& item, std::int64_t now_ns, bool last) noexcept {
+  RetainLink& link = item.station->retain();
+  if (link.blocks.update()) item.unsaved = true;
+  if (!item.unsaved) return;
+  const bool urgent =
+      link.urgent_scan.load(std::memory_order_acquire) > link.saved_scan.load(std::memory_order_relaxed);
+  const bool patient = item.failing || !urgent;  // a full disk is not hammered
+  if (patient && !last && now_ns - item.last_save_ns < interval_ns_) return;
+  save(item, now_ns);
+}
+
+void RetainThread::save(Item& item, std::int64_t now_ns) {
+  RetainLink& link = item.station->retain();
+  const ConstBlockView block{link.blocks.readable(), link.tags.layout};
+  item.last_save_ns = now_ns;
+  if (!item.store->save(item.station->epoch(), block.slots())) {
+    if (!item.failing)
+      log_.error("station " + item.station->name() + ": retained tags are not written: " + item.store->error());
+    item.failing = true;
+    return;  // still unsaved: tried again after the interval; an urgent ticket stays open, so the program waits
+  }
+  if (item.failing) log_.info("station " + item.station->name() + ": retained tags are written again");
+  item.failing = false;
+  item.unsaved = false;
+  link.saved_scan.store(block.header().scan, std::memory_order_release);
+}
+
+}  // namespace stationd
