@@ -39,16 +39,18 @@ class Json {
     key(name);
     raw(at_ns < 0 ? "null" : std::to_string(at_ns / kNsPerMs));
   }
-  void newline() { text_ += '\n'; }
+  /// Whether list members go on lines of their own.
+  void break_lines(bool broken) { broken_ = broken; }
   std::string take() { return std::move(text_); }
 
  private:
   void separate() {
-    if (!first_) text_ += ", ";
+    if (!first_) text_ += broken_ ? ",\n" : ", ";
     first_ = false;
   }
   std::string text_;
   bool first_ = true;
+  bool broken_ = false;
 };
 
 void write_verdict(Json& json, const Verdict& v) {
@@ -99,6 +101,7 @@ void write_violations(Json& json, const Ledger& ledger) {
 
 void write_pallet(Json& json, const PalletRecord& record, Fate fate) {
   json.open('{');
+  json.break_lines(false);
   json.number("number", record.number);
   json.number("code", record.code);
   json.time("entered_ms", record.entered_ns);
@@ -139,13 +142,12 @@ std::string Ledger::to_json(std::int64_t now_ns, bool final) const {
   json.key("pallets");
   json.open('[');
   for (const PalletRecord& record : pallets_) {
-    json.newline();
+    json.break_lines(true);
     write_pallet(json, record, fate_of(record));
   }
   json.close(']');
   json.close('}');
-  json.newline();
-  return json.take();
+  return json.take() + '\n';
 }
 
 }  // namespace stationd::plant
