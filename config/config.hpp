@@ -26,7 +26,7 @@ struct Position {
   std::uint32_t column = 0;
 };
 
-/// One error in a configuration. `text` is complete: "FILE:LINE:COLUMN: KEY: what was found; what is allowed".
+/// One error in a file. `text` is complete: "FILE:LINE:COLUMN: KEY: what was found; what is allowed".
 struct Problem {
   Position position;
   std::string text;
@@ -54,8 +54,8 @@ struct TaskConfig {
   int priority = 80;                    ///< SCHED_FIFO, 1..95
   int cpu = -1;                         ///< -1: any
   Overrun overrun = Overrun::skip;
-  std::int64_t watchdog_ns = 0;         ///< at least the period; default the longer of 10 periods and 100 ms
-  std::int64_t spin_ns = 0;             ///< wake early by that much and busy-wait; below the period
+  std::int64_t watchdog_ns = 0;  ///< at least the period; default the longer of 10 periods and 100 ms
+  std::int64_t spin_ns = 0;      ///< wake early by that much and busy-wait; below the period
   Position position;
 };
 
@@ -63,13 +63,14 @@ struct TaskConfig {
 struct TagMapping {
   std::string tag;
   std::string device;
-  /// `type` is the program's once check_stations() has seen it. So are safe_action and safe_value of an output whose
-  /// mapping says nothing about them: copy both into the image's TagSpec (hold, safe).
+  /// `type` is the program's once check_stations() has seen it. So are safe_action and safe_value of an
+  /// output whose mapping says nothing about them: copy both into the image's TagSpec (hold, safe).
   io::Point point;
-  std::optional<TagType> type;      ///< as the file says, if it does
-  std::int64_t max_age_ns = 0;      ///< inputs: STALE when older; never 0 after loading (the device's stale_after)
-  bool safe_given = false;          ///< outputs: the file has `safe = ...`
-  Position position;                ///< of the tag's name
+  std::optional<TagType> type;  ///< as the file says, if it does
+  std::int64_t max_age_ns =
+      0;                    ///< inputs: STALE when older; never 0 after loading (the device's stale_after)
+  bool safe_given = false;  ///< outputs: the file has `safe = ...`
+  Position position;        ///< of the tag's name
   Position at_position, type_position, safe_position, max_age_position;
   std::variant<std::monostate, bool, std::int64_t, double, std::string> safe_raw;
 };
@@ -79,7 +80,8 @@ struct ParameterConfig {
   std::string tag;
   std::optional<TagType> type;
   std::variant<bool, std::int64_t, double, std::string> raw;
-  Slot value = 0;  ///< once check_stations() has seen it: in the tag's own encoding, within the program's range
+  Slot value =
+      0;  ///< once check_stations() has seen it: in the tag's own encoding, within the program's range
   Position position, value_position;
 };
 
@@ -102,11 +104,12 @@ struct Configuration {
   std::filesystem::path state_dir;  ///< default: $STATE_DIRECTORY, or /var/lib/stationd
   bool require_realtime = false;
   LogLevel log_level = LogLevel::info;
-  bus::Options bus;                               ///< bus.name is the controller's name
-  std::int64_t pv_heartbeat_ns = 100'000'000;     ///< PVs are repeated at least so often; a quarter of bus.deadline_ns at most
+  bus::Options bus;  ///< bus.name is the controller's name
+  std::int64_t pv_heartbeat_ns =
+      100'000'000;  ///< PVs are repeated at least so often; a quarter of bus.deadline_ns at most
   std::int64_t bus_stale_after_ns = 500'000'000;  ///< remote PVs: see Station::set_bus_limits()
   std::int64_t bus_bad_after_ns = 2'000'000'000;
-  io::PlantOptions plant;           ///< of the devices with DeviceKind::simulated
+  io::PlantOptions plant;  ///< of the devices with DeviceKind::simulated
   std::vector<TaskConfig> tasks;
   std::vector<io::DeviceOptions> devices;
   std::vector<Recipe> recipes;
@@ -121,12 +124,12 @@ struct SupervisorConfiguration {
   std::filesystem::path file;
   std::string name = "supervisor";
   LogLevel log_level = LogLevel::info;
-  bus::Options bus;                       ///< bus.name is the supervisor's name
-  std::vector<std::string> stations;      ///< in the order in which they are started
-  std::filesystem::path state_dir;        ///< default: $STATE_DIRECTORY, or /var/lib/stationd
-  std::filesystem::path journal_file;     ///< of received events and of intent; absolute, or in state_dir
-  std::int64_t start_repeat_ns = 500'000'000;  ///< Start is repeated so often until Status confirms it
-  std::int64_t stale_after_ns = 1'000'000'000; ///< a station whose Status is older counts as away
+  bus::Options bus;                    ///< bus.name is the supervisor's name
+  std::vector<std::string> stations;   ///< in the order in which they are started
+  std::filesystem::path state_dir;     ///< default: $STATE_DIRECTORY, or /var/lib/stationd
+  std::filesystem::path journal_file;  ///< of received events and of intent; absolute, or in state_dir
+  std::int64_t start_repeat_ns = 500'000'000;   ///< Start is repeated so often until Status confirms it
+  std::int64_t stale_after_ns = 1'000'000'000;  ///< a station whose Status is older counts as away
 };
 
 /// What a program declares, as far as the configuration has to agree with it.
@@ -138,23 +141,24 @@ struct ProgramTags {
 /// The programs that there are; the daemon supplies it, since the configuration does not know them.
 struct ProgramCatalogue {
   std::vector<std::string> names;
-  /// The tags of a program made with these options. May throw SetupError (a recipe's value is missing, say): becomes a
-  /// problem at the station's `program`.
+  /// The tags of a program made with these options. May throw SetupError (a recipe's value is missing,
+  /// say): becomes a problem at the station's `program`.
   std::function<ProgramTags(const std::string& program, const ProgramOptions& options)> tags;
 };
 
-/// Reads and checks a file; with a catalogue also what check_stations() checks, so that all errors come at once.
+/// Reads and checks a file; with a catalogue also what check_stations() checks, all errors at once.
 /// An unreadable file is a problem like any other. Throws nothing but std::bad_alloc.
-Result<Configuration> load_controller(const std::filesystem::path& file, const ProgramCatalogue* programs = nullptr);
+Result<Configuration> load_controller(const std::filesystem::path& file,
+                                      const ProgramCatalogue* programs = nullptr);
 Result<SupervisorConfiguration> load_supervisor(const std::filesystem::path& file);
 /// The same from memory; `file` is for messages only.
 Result<Configuration> parse_controller(std::string_view text, const std::filesystem::path& file,
                                        const ProgramCatalogue* programs = nullptr);
 Result<SupervisorConfiguration> parse_supervisor(std::string_view text, const std::filesystem::path& file);
 
-/// Holds each station against its program: unknown program or tag, wrong area or type, inputs and outputs without a
-/// place, parameters out of range, registers that overlap. Fills in Point::type, safe_action, safe_value and
-/// ParameterConfig::value. No problems: the configuration is fit to be set up.
+/// Holds each station against its program: unknown program or tag, wrong area or type, inputs and outputs
+/// without a place, parameters out of range, registers that overlap. Fills in Point::type, safe_action, safe_value
+/// and ParameterConfig::value. No problems: the configuration is fit to be set up.
 std::vector<Problem> check_stations(Configuration& configuration, const ProgramCatalogue& programs);
 
 /// "FILE:LINE:COLUMN: KEY: TEXT", for an error that only the caller can see.

@@ -1,0 +1,55 @@
+// Units and addresses as people write them: durations, sizes, IPv4 addresses, points of a device, names.
+// Owned by nobody; pure functions.
+// Set-up only; any thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "io/options.hpp"
+
+namespace stationd::config {
+
+/// "250us", "10ms", "1.5s", "2min": whole nanoseconds; nothing for a missing unit or anything else.
+std::optional<std::int64_t> parse_duration_ns(std::string_view text);
+/// The same the other way round, in the largest unit that gives a whole number: "10ms".
+std::string duration_text(std::int64_t ns);
+
+/// "8KiB", "1MiB", "512B", "64kB".
+std::optional<std::int64_t> parse_size_bytes(std::string_view text);
+std::string size_text(std::int64_t bytes);
+
+std::optional<std::int64_t> parse_integer(std::string_view text);  ///< decimal, or hexadecimal after 0x
+std::optional<double> parse_number(std::string_view text);
+std::optional<TagType> parse_type(std::string_view text);  ///< "UDINT"
+bool is_ipv4(std::string_view text);
+bool is_name(std::string_view text);      ///< letters, digits, - and _; 1..64
+bool is_tag_name(std::string_view text);  ///< letters, digits, _ and .; 1..64
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port = 0;
+};
+/// "192.168.0.10:502" or "192.168.0.10" (port 502). On failure `error` says what is allowed.
+std::optional<HostPort> parse_host_port(std::string_view text, std::string& error);
+
+struct PointAddress {
+  std::string device;
+  io::Table table = io::Table::coil;
+  std::uint16_t address = 0;
+};
+/// "remote-io-1:di:0". On failure `error` says what was wrong and what is allowed.
+std::optional<PointAddress> parse_point(std::string_view text, std::string& error);
+
+std::string_view short_name(io::Table table) noexcept;  ///< "co", "di", "hr", "ir"
+bool is_bit_table(io::Table table) noexcept;
+
+/// The one of `known` that `word` is most likely a misspelling of; empty: none is near.
+std::string_view nearest(std::string_view word, std::span<const std::string_view> known);
+/// "; did you mean \"...\"?" or nothing.
+std::string suggestion(std::string_view word, std::span<const std::string_view> known);
+
+}  // namespace stationd::config
