@@ -65,7 +65,7 @@ void act(UnitFaults& unit, const Fault& fault) noexcept {
 
 std::string_view name_of(FaultKind kind) noexcept { return kNames[static_cast<std::size_t>(kind)]; }
 
-int FaultTable::add(const Fault& fault) {
+Fault FaultTable::checked(const Fault& fault) {
   const std::string name(name_of(fault.kind));
   if (fault.unit < 1 || fault.unit > kUnits) {
     throw std::invalid_argument(name + ": unit " + std::to_string(fault.unit) + " is not one of 1 to 4");
@@ -83,7 +83,11 @@ int FaultTable::add(const Fault& fault) {
   if (fault.kind == FaultKind::infeed_stops && fault.unit != 1) {
     throw std::invalid_argument(name + ": only unit 1 has an infeed");
   }
-  entries_.push_back({++last_id_, fault});
+  return fault;
+}
+
+int FaultTable::add(const Fault& fault) {
+  entries_.push_back({++last_id_, checked(fault)});
   return last_id_;
 }
 

@@ -46,7 +46,9 @@ class FaultTable {
 
   FaultTable() { entries_.reserve(64); }
 
-  /// Throws std::invalid_argument naming what is out of range.
+  /// The fault itself; throws std::invalid_argument naming what is out of range.
+  static Fault checked(const Fault& fault);
+  /// Throws as checked() does. The result is for clear().
   int add(const Fault& fault);
   void clear(int id) noexcept;
   void clear_all() noexcept;
