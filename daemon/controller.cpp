@@ -63,7 +63,6 @@ bool Controller::stop() noexcept {
   for (auto& device : devices_) device->stop();
   if (retain_) retain_->stop();
   if (bridge_) bridge_->stop();
-  if (plant_) plant_->finish();
   return ended;
 }
 

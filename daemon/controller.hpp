@@ -5,8 +5,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -73,17 +73,18 @@ class Controller {
   void build_tasks();
   void build_bus();
   void log_grants(const std::vector<RtGrant>& grants);
-  bus::TaskFigures figures_of(const Task& task) const;
+  bus::TaskFigures figures_of(const Task& task);
 
   const config::Configuration& configuration_;
   Log& log_;
   int lock_fd_ = -1;
   MonotonicStopwatch stopwatch_;
   std::atomic<std::int64_t> utc_offset_ns_;
-  std::string realtime_;  // what was granted and refused, for Status; written before the bus starts
+  std::mutex realtime_mutex_;
+  std::string realtime_;  // what was granted and refused, for Status
   std::vector<std::unique_ptr<Station>> stations_;
   std::unique_ptr<RetainThread> retain_;
-  std::shared_ptr<plant::SharedPlant> plant_;
+  std::shared_ptr<io::SharedPlant> plant_;
   std::vector<std::unique_ptr<io::Device>> devices_;
   std::vector<RunningTask> tasks_;
   std::unique_ptr<bus::Bus> bus_;

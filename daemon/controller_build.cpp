@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "daemon/controller.hpp"
+#include "daemon/device_points.hpp"
 #include "io/modbus/modbus_backend.hpp"
 #include "io/null_backend.hpp"
 #include "programs/programs.hpp"
@@ -33,8 +34,8 @@ Controller::Controller(const config::Configuration& configuration, Log& log)
   retain_ = std::make_unique<RetainThread>(log_, kRetainIntervalNs);
   for (const config::StationConfig& s : configuration_.stations) build_station(s);
   build_devices();
-  build_bus();
   build_tasks();
+  build_bus();
 }
 
 void Controller::lock_state_directory() {
@@ -109,7 +110,7 @@ std::unique_ptr<io::Backend> Controller::make_backend(const io::DeviceOptions& o
     case io::DeviceKind::null: return std::make_unique<io::NullBackend>(points);
     case io::DeviceKind::simulated: break;
   }
-  if (!plant_) plant_ = std::make_shared<plant::SharedPlant>(configuration_.plant);
+  if (!plant_) plant_ = std::make_shared<io::SharedPlant>(configuration_.plant);
   return std::make_unique<io::SimulatedBackend>(plant_, options.unit, points);
 }
 
@@ -118,23 +119,25 @@ void Controller::build_devices() {
 }
 
 void Controller::build_device(const io::DeviceOptions& options) {
-  std::vector<io::Point> points;
+  DevicePoints points(configuration_, options.name);
   std::vector<io::DeviceBinding> bindings;
   for (std::size_t i = 0; i < stations_.size(); ++i) {
     Station& station = *stations_[i];
     io::DeviceBinding binding;
     binding.permit = &station.port().permit;
+    binding.input_points = points.inputs_of(i);
+    binding.output_points = points.outputs_of(i);
     for (auto& link : station.device_inputs())
-      if (link->device_name() == options.name) binding.inputs = link.get();
+      if (link->source == options.name) binding.inputs = link.get();
     for (auto& link : station.device_outputs())
       if (link->device == options.name) binding.outputs = link.get();
-    for (const auto& m : configuration_.stations[i].inputs)
-      if (m.device == options.name) points.push_back(m.point);
-    for (const auto& m : configuration_.stations[i].outputs)
-      if (m.device == options.name) points.push_back(m.point);
-    bindings.push_back(binding);
+    if (binding.inputs != nullptr || binding.outputs != nullptr) bindings.push_back(std::move(binding));
   }
-  (void)bindings;
+  const auto log = [this](int severity, const std::string& text) {
+    log_.line(static_cast<LogSeverity>(severity), text, {{"STATIOND_EVENT", "device"}});
+  };
+  devices_.push_back(std::make_unique<io::Device>(options, make_backend(options, points.all()), points.all(),
+                                                  std::move(bindings), log));
 }
 
 void Controller::build_tasks() {
@@ -153,7 +156,7 @@ void Controller::build_tasks() {
     options.phase_ns = t.phase_ns;
     options.overrun = t.overrun == config::Overrun::fault ? OverrunPolicy::fault : OverrunPolicy::skip;
     RunningTask running;
-    running.rt = {t.priority, t.cpu, t.spin_ns, bridge_->wake_fd()};
+    running.rt = {t.priority, t.cpu, t.spin_ns, -1};
     running.watchdog_ns = t.watchdog_ns;
     running.report = std::make_unique<MissReport>(t.name, names);
     running.task = std::make_unique<Task>(options, std::move(stations), stopwatch_);
@@ -161,6 +164,28 @@ void Controller::build_tasks() {
   }
 }
 
-void Controller::build_bus() {}
+void Controller::build_bus() {
+  bus_ = std::make_unique<bus::Bus>(configuration_.bus);
+  std::vector<bus::BridgedStation> bridged;
+  for (RunningTask& t : tasks_)
+    for (Station* s : t.task->stations()) bridged.push_back({s, [this, task = t.task.get()] { return figures_of(*task); }});
+  bus::BridgeOptions options;
+  options.controller = configuration_.name;
+  const auto log = [this](int severity, const std::string& text) {
+    log_.line(static_cast<LogSeverity>(severity), text, {{"STATIOND_EVENT", "bus"}});
+  };
+  bridge_ = std::make_unique<bus::StationBridge>(*bus_, options, std::move(bridged), log);
+  for (RunningTask& t : tasks_) t.rt.wake_fd = bridge_->wake_fd();
+}
+
+bus::TaskFigures Controller::figures_of(const Task& task) {
+  bus::TaskFigures figures;
+  figures.period_ns = task.options().period_ns;
+  figures.lateness_p99_ns = task.figures().lateness.quantile_ns(0.99);
+  figures.lateness_max_ns = task.figures().lateness.max_ns();
+  const std::lock_guard lock(realtime_mutex_);
+  figures.realtime = realtime_;
+  return figures;
+}
 
 }  // namespace stationd

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""scripts/demo as a user runs it: pieces counted and judged; in process; at 1 ms; interrupted; nothing left behind."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import tempfile
+
+from cell import BIN, ROOT, check, run, wait_for
+
+
+def demo(folder, *arguments):
+    environment = dict(os.environ, TMPDIR=str(folder))
+    return subprocess.Popen([ROOT / "scripts" / "demo", "--bin", BIN, *arguments], stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True, env=environment, stdin=subprocess.DEVNULL)
+
+
+def left_in(folder):
+    return [p.name for p in pathlib.Path(folder).iterdir() if "stationd" in p.name]
+
+
+def pieces(folder, name, *arguments):
+    process = demo(folder, *arguments)
+    said, _ = process.communicate(timeout=300)
+    check(f"{name} ends with status 0", process.returncode == 0, said[-1500:] if process.returncode else "")
+    check(f"{name} leaves no file", left_in(folder) == [])
+
+
+def interrupted(folder):
+    process = demo(folder, "--speed", "3")
+    lines = []
+    wait_for("the cell runs", lambda: lines.append(process.stdout.readline()) or "supervisor" in lines[-1].lower()
+             or "RUNNING" in lines[-1])
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    check("Ctrl-C ends it with status 0 or 130", process.returncode in (0, 130), process.returncode)
+    check("an interrupted demo leaves no file", left_in(folder) == [])
+
+
+def scenario():
+    with tempfile.TemporaryDirectory() as folder:
+        pieces(folder, "the demo with 5 pieces", "--pieces", "5", "--speed", "3")
+        pieces(folder, "the demo in process", "--pieces", "5", "--speed", "3", "--in-process")
+        pieces(folder, "the demo at 1 ms", "--pieces", "5", "--speed", "3", "--period", "1ms")
+        interrupted(folder)
+
+
+run(scenario)
