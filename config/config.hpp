@@ -157,8 +157,8 @@ Result<Configuration> parse_controller(std::string_view text, const std::filesys
 Result<SupervisorConfiguration> parse_supervisor(std::string_view text, const std::filesystem::path& file);
 
 /// Holds each station against its program: unknown program or tag, wrong area or type, inputs and outputs
-/// without a place, parameters out of range, registers that overlap. Fills in Point::type, safe_action, safe_value
-/// and ParameterConfig::value. No problems: the configuration is fit to be set up.
+/// without a place, parameters out of range, registers that overlap. Fills in Point::type, safe_action,
+/// safe_value and ParameterConfig::value. No problems: the configuration is fit to be set up.
 std::vector<Problem> check_stations(Configuration& configuration, const ProgramCatalogue& programs);
 
 /// "FILE:LINE:COLUMN: KEY: TEXT", for an error that only the caller can see.

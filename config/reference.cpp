@@ -9,8 +9,8 @@ constexpr std::string_view kIntroduction = R"(# Configuration: every section and
 This page is made from the tables that the daemon itself reads files by; a test holds the two equal.
 
 One TOML file per controller, `stationd FILE`; `stationd --check FILE` only checks it. A key that is not
-listed here is an error. All errors are told at once, each with file, line, column, key, what was found and what is
-allowed; the exit status is then 78. Examples: `config/controller1.toml`, `config/controller2.toml`,
+listed here is an error. All errors are told at once, each with file, line, column, key, what was found and
+what is allowed; the exit status is then 78. Examples: `config/controller1.toml`, `config/controller2.toml`,
 `config/cell-in-process.toml`, `config/supervisor.toml`.
 
 - **Durations** carry a unit: `"250us"`, `"10ms"`, `"1.5s"`, `"2min"`, `"1h"`. **Sizes** too: `"512B"`,
