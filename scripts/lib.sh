@@ -1,4 +1,5 @@
 # Shared by the scripts in this folder (sourced, not run): progress lines, DDS domains, clearing up.
+# shellcheck shell=bash disable=SC2034 # what is set here is used by those that source it
 
 STATIOND_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -34,7 +35,7 @@ claim_domain() {
   for ((try = 0; try < 99; try++)); do
     domain=$((($$ + try * 7) % 99 + 1))
     file=${TMPDIR:-/tmp}/stationd-domain-$domain.lock
-    exec {STATIOND_CLAIM_FD}<>"$file" 2>/dev/null || continue
+    { exec {STATIOND_CLAIM_FD}<>"$file"; } 2>/dev/null || continue
     # Whoever held it may have removed the file between our open and our lock: then this is nobody's lock.
     if flock -n "$STATIOND_CLAIM_FD" && [[ $file -ef /proc/self/fd/$STATIOND_CLAIM_FD ]]; then
       STATIOND_CLAIMED=$domain
