@@ -29,12 +29,13 @@ step() {
 }
 
 # claim_domain: sets STATIOND_CLAIMED to a DDS domain, 1 to 99, that no other run on this machine has claimed.
-# The claim is a lock on a file and lasts until release_domain or the end of the process.
+# The claim is a lock on a file and lasts until release_domain or the end of the process. The file is in /tmp
+# whatever TMPDIR says: domains are the machine's.
 claim_domain() {
   local try domain file
   for ((try = 0; try < 99; try++)); do
     domain=$((($$ + try * 7) % 99 + 1))
-    file=${TMPDIR:-/tmp}/stationd-domain-$domain.lock
+    file=/tmp/stationd-domain-$domain.lock
     { exec {STATIOND_CLAIM_FD}<>"$file"; } 2>/dev/null || continue
     # Whoever held it may have removed the file between our open and our lock: then this is nobody's lock.
     if flock -n "$STATIOND_CLAIM_FD" && [[ $file -ef /proc/self/fd/$STATIOND_CLAIM_FD ]]; then
@@ -44,7 +45,7 @@ claim_domain() {
     fi
     exec {STATIOND_CLAIM_FD}>&-
   done
-  die 1 "all DDS domains from 1 to 99 are claimed (${TMPDIR:-/tmp}/stationd-domain-*.lock)"
+  die 1 "all DDS domains from 1 to 99 are claimed (/tmp/stationd-domain-*.lock)"
 }
 
 release_domain() {
