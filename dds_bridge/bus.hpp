@@ -1,6 +1,8 @@
-// Bus: one DDS participant with the cell's topics; typed writing, reading by call-backs, requests and replies.
+// Bus: one DDS participant with the cell's topics; typed writing, reading by call-backs, requests and
+// replies.
 // Owned by the composer (daemon, supervisor, stationctl).
-// Create, use and destroy from plain threads only, never from a real-time one; call-backs run on the bus-in thread.
+// Create, use and destroy from plain threads only, never from a real-time one; call-backs run on the bus-in
+// thread.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +25,17 @@ class BusError : public std::runtime_error {
 
 /// Where a sample came from, as far as DDS tells.
 struct Origin {
-  std::int64_t receipt_ns = 0;   ///< CLOCK_MONOTONIC at take()
-  std::uint64_t writer_high = 0, writer_low = 0;  ///< writer's GUID; for correlation and for telling writers apart
-  std::int64_t sequence = 0;     ///< sample's sequence number at that writer
+  std::int64_t receipt_ns = 0;  ///< CLOCK_MONOTONIC at take()
+  /// writer's GUID; for correlation and for telling writers apart
+  std::uint64_t writer_high = 0, writer_low = 0;
+  std::int64_t sequence = 0;  ///< sample's sequence number at that writer
+  /// Start and Stop: their place in the order in which both were received, from 1. Stops are handed out first
+  /// although a Start was received before them; these numbers tell.
+  std::uint64_t order = 0;
 };
 
-/// Which samples a reader wants. An empty `station` takes all.
-struct Filter { std::string station; };
-
-/// Handlers; unset ones cost no reader. All run on the bus-in thread, one at a time; they must not block for long.
+/// Handlers; unset ones cost no reader. All run on the bus-in thread, one at a time; they must not block for
+/// long.
 struct Handlers {
   std::function<void(const Set&, const Origin&)> on_set;
   std::function<void(const End&, const Origin&)> on_end;
@@ -39,14 +43,32 @@ struct Handlers {
   std::function<void(const Gse&, const Origin&)> on_gse;
   std::function<void(const MsgReq&, const Origin&)> on_start;
   std::function<void(const MsgReq&, const Origin&)> on_stop;
-  std::function<void(const MsgReq&, const Origin&)> on_request;     ///< Msg_Req
+  std::function<void(const MsgReq&, const Origin&)> on_request;  ///< Msg_Req
   std::function<void(const MsgRes&, const Origin&, const Origin& related)> on_reply;
-  /// Topic name, number of live writers and the change (+1, -1); of Status, Set, End readers.
+  /// Topic name, number of live writers and the change (+1, -1); of Status, Set, End readers. A writer counts
+  /// as live until its participant says goodbye or its lease ends (3 s), since our readers must not request a
+  /// lease: a foreign writer that offers none would not match. Staleness is judged from the time of receipt,
+  /// which is quicker.
   std::function<void(const std::string& topic, int alive, int change)> on_liveliness;
   /// Topic name, policy name: a peer is not compatible.
   std::function<void(const std::string& topic, const std::string& policy)> on_incompatible;
   std::vector<std::string> stations;  ///< for on_set/on_end/on_status: content filter by STATION; empty: all
-  std::vector<std::string> names;     ///< for orders, requests, replies: content filter by DEST_STATION; empty: all
+  /// for orders, requests, replies: content filter by DEST_STATION; empty: all
+  std::vector<std::string> names;
+};
+
+/// Quality of service of one endpoint, read back from it. INT64_MAX: none.
+struct EndpointQos {
+  std::string topic;
+  bool writer = false;
+  bool reliable = false;
+  bool transient_local = false;
+  bool keep_all = false;
+  std::int32_t depth = 0;  ///< keep last: samples per key; keep all: the bound
+  std::int64_t deadline_ns = 0;
+  std::int64_t latency_budget_ns = 0;
+  std::int64_t lease_ns = 0;
+  std::uint32_t transport_priority = 0;  ///< writers
 };
 
 class Bus {
@@ -62,7 +84,8 @@ class Bus {
   /// Stops and joins the bus-in thread; no call-back runs after it.
   void stop() noexcept;
 
-  /// Writers, made at first use (or by prepare_...); any plain thread. False: not written (counted, see failures()).
+  /// Writers, made at first use (or by prepare_...); any plain thread. False: not written (counted, see
+  /// failures()).
   bool write(const Set& sample);
   bool write(const End& sample);
   bool write(const Status& sample);
@@ -73,10 +96,15 @@ class Bus {
   bool write_request(const MsgReq& sample, Origin* identity = nullptr);
   /// `related`: origin of the request that this answers.
   bool write_reply(const MsgRes& sample, const Origin& related);
-  /// Creates the writers of those topics now ("Set", "Start", ...), so that discovery has begun before the first write.
+  /// Creates the writers of those topics now ("Set", "Start", ...), so that discovery has begun before the
+  /// first write.
   void prepare_writers(const std::vector<std::string>& topics);
   /// Number of matched readers of our writer of that topic.
   int matched_readers(const std::string& topic) const;
+  /// Whether a sample of that origin was written by this very Bus.
+  bool own(const Origin& origin) const noexcept;
+  /// All endpoints that exist by now.
+  std::vector<EndpointQos> endpoints() const;
 
   std::uint64_t failures() const noexcept;   ///< writes refused
   std::uint64_t malformed() const noexcept;  ///< samples that could not be read

@@ -30,15 +30,15 @@ struct End {
 
 /// Topic `GSE`, type ASE_GSE (no key). Table 4 ends after STATUS; STATUS is the code.
 struct Gse {
-  bool ERROR = false;          ///< an active fault or warning
-  std::uint32_t STATUS = 0;    ///< code, see scan/codes.hpp
+  bool ERROR = false;        ///< an active fault or warning
+  std::uint32_t STATUS = 0;  ///< code, see scan/codes.hpp
   std::string STATION;
   std::uint32_t EPOCH = 0;
   std::uint32_t SEQ = 0;
-  std::uint32_t SEVERITY = 0;  ///< 0 info, 1 warning, 2 fault
-  bool ACTIVE = false;         ///< rising (true) or falling
-  bool EDGE = true;            ///< false: announced as still active after a restart
-  std::int64_t SOURCE_TIME = 0;///< UTC nanoseconds
+  std::uint32_t SEVERITY = 0;    ///< 0 info, 1 warning, 2 fault
+  bool ACTIVE = false;           ///< rising (true) or falling
+  bool EDGE = true;              ///< false: announced as still active after a restart
+  std::int64_t SOURCE_TIME = 0;  ///< UTC nanoseconds
   std::int64_t DETAIL = 0;
   std::string TEXT;
 };
@@ -64,23 +64,23 @@ struct MsgRes {
 /// Topic `Status`, type PV_Status (key STATION).
 struct Status {
   std::string STATION;
-  std::uint32_t STATE = 0;     ///< 0 STOPPED, 1 RUNNING, 2 STOPPING, 3 FAULT
+  std::uint32_t STATE = 0;  ///< 0 STOPPED, 1 RUNNING, 2 STOPPING, 3 FAULT
   std::uint32_t EPOCH = 0;
   bool READY = false;
-  std::uint32_t FAULT = 0;     ///< active fault's code; 0: none
+  std::uint32_t FAULT = 0;  ///< active fault's code; 0: none
   std::string CONTROLLER;
   std::uint64_t SCANS = 0;
   std::uint64_t DEADLINE_MISSES = 0;
-  std::uint32_t WARNING = 0;   ///< an active warning's code; 0: none
-  std::uint32_t STOP_CAUSE = 0;///< in STOPPED: 0 never started, 1 ordered, 2 after a fault
+  std::uint32_t WARNING = 0;     ///< an active warning's code; 0: none
+  std::uint32_t STOP_CAUSE = 0;  ///< in STOPPED: 0 never started, 1 ordered, 2 after a fault
   std::uint32_t STEP = 0;
   std::string STEP_NAME;
-  std::uint32_t PIECE = 0;     ///< code of the piece in work; 0: none
+  std::uint32_t PIECE = 0;  ///< code of the piece in work; 0: none
   std::int64_t PERIOD_NS = 0;
   std::int64_t LATENESS_P99_NS = 0;
   std::int64_t LATENESS_MAX_NS = 0;
-  std::string REALTIME;        ///< what was granted and refused, for people
-  std::int64_t SOURCE_TIME = 0;///< UTC nanoseconds
+  std::string REALTIME;          ///< what was granted and refused, for people
+  std::int64_t SOURCE_TIME = 0;  ///< UTC nanoseconds
 };
 
 }  // namespace stationd::bus

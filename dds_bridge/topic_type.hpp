@@ -1,0 +1,40 @@
+// TopicType: a member table as a type that Fast DDS can register.
+// Private to dds_bridge; owned by the participant that it is registered with.
+// Called from the library's threads as well as ours; only the counter is shared.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "dds_bridge/compat.hpp"
+#include "dds_bridge/type_table.hpp"
+
+namespace stationd::bus {
+
+/// What Fast DDS sees as a sample. Decoding never fails towards the library: a malformed sample arrives as
+/// one with `valid` false and is dropped and counted by whoever takes it.
+struct Sample {
+  void* object = nullptr;
+  bool valid = true;
+};
+
+class TopicType final : public compat::Type {
+ public:
+  /// `malformed` counts samples that were dropped because their key could not be made; outlives the type.
+  TopicType(const TypeTable& table, std::atomic<std::uint64_t>& malformed);
+
+  const TypeTable& table() const noexcept { return table_; }
+
+  bool encode(const void* data, compat::rtps::SerializedPayload_t& payload) noexcept override;
+  bool decode(const compat::rtps::SerializedPayload_t& payload, void* data) noexcept override;
+  bool key(const void* data, compat::rtps::InstanceHandle_t& handle, bool force_md5) noexcept override;
+  std::uint32_t encoded_size(const void* data) noexcept override;
+  void* create() override;
+  void destroy(void* data) noexcept override;
+
+ private:
+  const TypeTable& table_;
+  std::atomic<std::uint64_t>& malformed_;
+};
+
+}  // namespace stationd::bus
