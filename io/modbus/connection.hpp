@@ -1,0 +1,48 @@
+// Connection: one TCP connection to a Modbus device, and one request with its reply over it.
+// Owned by the device's backend.
+// The device thread; blocks at most about the time-out per call.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "io/backend.hpp"
+#include "io/modbus/adu.hpp"
+
+struct _modbus;
+
+namespace stationd::io::modbus {
+
+class Connection {
+ public:
+  /// `host`: an IPv4 literal. `timeout_ns`: limit of connecting, and of each request with its reply.
+  Connection(std::string host, std::uint16_t port, std::int64_t timeout_ns);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  bool is_open() const noexcept { return context_ != nullptr; }
+  ExchangeResult open() noexcept;
+  void close() noexcept;
+
+  /// Sends the request, waits for the reply and judges it. After anything but ok or an exception the connection
+  /// is closed: what comes late would be taken for the answer to the next request.
+  ExchangeResult transact(const Adu& request) noexcept;
+  /// The reply of the last transact() that was ok.
+  std::span<const std::uint8_t> reply() const noexcept { return {reply_.data(), reply_size_}; }
+
+ private:
+  ExchangeResult connect_socket(int socket) const noexcept;
+  ExchangeResult receive(const Adu& request) noexcept;
+
+  std::string host_;
+  std::uint16_t port_;
+  std::int64_t timeout_ns_;
+  _modbus* context_ = nullptr;  // libmodbus's; owns the socket
+  std::array<std::uint8_t, kMaxAduBytes> reply_{};
+  std::size_t reply_size_ = 0;
+};
+
+}  // namespace stationd::io::modbus
