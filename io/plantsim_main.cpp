@@ -18,7 +18,8 @@ namespace {
 
 using namespace stationd::plant;
 
-constexpr int kPollMs = 10;  // requests bring the plant up to date themselves, so this bounds only the files' age
+constexpr int kPollMs =
+    10;  // requests bring the plant up to date themselves, so this bounds only the files' age
 
 volatile std::sig_atomic_t stop_requested = 0;
 
@@ -58,7 +59,8 @@ void inject_all(Plant& plant, const PlantsimOptions& options) {
   }
 }
 
-/// Until a signal or the last piece. A file that cannot be written is said once and tried again: the plant goes on.
+/// Until a signal or the last piece. A file that cannot be written is said once and tried again: the plant
+/// goes on.
 void serve(LivePlant& live, ModbusServer& server, const PlantsimOptions& options) {
   bool complained = false;
   while (stop_requested == 0) {

@@ -1,4 +1,4 @@
-// Autopilot: drives all four units of a plant by their Modbus tables, as plainly as can be; not the station programs.
+// Autopilot: drives a plant's four units by their Modbus tables, as plainly as can be; no station program.
 // Owned by a test.
 // The test's thread.
 #pragma once
@@ -73,10 +73,14 @@ class Steps {
     return off(co::stopper_open, di::stopper_is_closed);
   }
   Steps& grip() {
-    return on(co::arm_down, di::arm_is_down).on(co::gripper_close, di::gripper_is_closed).off(co::arm_down, di::arm_is_up);
+    return on(co::arm_down, di::arm_is_down)
+        .on(co::gripper_close, di::gripper_is_closed)
+        .off(co::arm_down, di::arm_is_up);
   }
   Steps& release() {
-    return on(co::arm_down, di::arm_is_down).off(co::gripper_close, di::gripper_is_open).off(co::arm_down, di::arm_is_up);
+    return on(co::arm_down, di::arm_is_down)
+        .off(co::gripper_close, di::gripper_is_open)
+        .off(co::arm_down, di::arm_is_up);
   }
   /// One part of the pallet's type, from a feeder onto the pallet.
   Steps& fetch(Part part, std::uint16_t first_feeder) {
@@ -103,29 +107,28 @@ class Steps {
   std::vector<Sequence::Step> steps_;
 };
 
+/// What a station does with a pallet between take_in() and give_away(), appended to `steps`.
+inline Steps& work(Steps& steps, int unit) {
+  if (unit == 1) return steps.fetch(Part::base, 3).move(arm::home);
+  if (unit == 2) return steps.fetch(Part::bearing, 3).fetch(Part::shaft, 5).move(arm::home);
+  if (unit == 3) {
+    steps.fetch(Part::lid, 3).move(arm::home);
+    return steps.on(co::press_down, di::lid_seated).off(co::press_down, di::press_is_up);
+  }
+  steps.move(arm::over_pallet).grip();
+  steps.move([](const UnitIo& io) { return static_cast<std::uint16_t>(io.pallet_code() == 102 ? 4 : 3); });
+  return steps.release().move(arm::home);
+}
+
+inline Sequence whole_sequence(int unit) {
+  Steps steps;
+  return work(steps.take_in(), unit).give_away().of(unit);
+}
+
 class Autopilot {
  public:
   Autopilot() {
-    sequences_.push_back(Steps().take_in().fetch(Part::base, 3).move(arm::home).give_away().of(1));
-    sequences_.push_back(
-        Steps().take_in().fetch(Part::bearing, 3).fetch(Part::shaft, 5).move(arm::home).give_away().of(2));
-    sequences_.push_back(Steps()
-                             .take_in()
-                             .fetch(Part::lid, 3)
-                             .move(arm::home)
-                             .on(co::press_down, di::lid_seated)
-                             .off(co::press_down, di::press_is_up)
-                             .give_away()
-                             .of(3));
-    sequences_.push_back(Steps()
-                             .take_in()
-                             .move(arm::over_pallet)
-                             .grip()
-                             .move([](const UnitIo& io) { return io.pallet_code() == 102 ? 4 : 3; })
-                             .release()
-                             .move(arm::home)
-                             .give_away()
-                             .of(4));
+    for (int unit = 1; unit <= kUnits; ++unit) sequences_.push_back(whole_sequence(unit));
   }
   void poll(Plant& plant) {
     for (Sequence& sequence : sequences_) sequence.poll(plant);
@@ -141,6 +144,54 @@ class Autopilot {
 
  private:
   std::vector<Sequence> sequences_;
+};
+
+/// A plant under a test's hands.
+class Rig {
+ public:
+  explicit Rig(PlantConfig config = one_type(101)) : plant(std::move(config)) {}
+
+  static PlantConfig one_type(std::uint32_t code) {
+    PlantConfig config;
+    config.codes.assign(100, code);
+    return config;
+  }
+  UnitIo& io(int unit) { return plant.unit(unit); }
+  bool input(int unit, std::size_t index) { return plant.unit(unit).discrete_inputs[index]; }
+  const Verdict verdict() const { return plant.ledger().verdict(); }
+  std::uint32_t count(ViolationKind kind) const { return plant.ledger().count(kind); }
+  void run_ms(std::int64_t ms) { plant.advance_to(plant.now_ns() + ms * 1'000'000); }
+  /// Sets a coil and lets the plant go on.
+  void set(int unit, std::size_t coil, bool value, std::int64_t run_for_ms = 200) {
+    io(unit).coils[coil] = value;
+    run_ms(run_for_ms);
+  }
+  void move_arm(int unit, std::uint16_t target) {
+    io(unit).coils[co::arm_enable] = true;
+    io(unit).holding_registers[hr::arm_target] = target;
+    run_ms(1000);
+  }
+  /// Plays a sequence to its end; false when that takes more than 20 s.
+  bool play(Sequence sequence) {
+    const std::int64_t limit_ns = plant.now_ns() + 20'000'000'000;
+    while (sequence.rounds() == 0 && plant.now_ns() < limit_ns) {
+      plant.step();
+      sequence.poll(plant);
+    }
+    return sequence.rounds() == 1;
+  }
+  /// A pallet through the stations before `unit`, then clamped and read there.
+  bool bring_to(int unit) {
+    bool done = true;
+    for (int before = 1; before < unit; ++before) done = done && play(whole_sequence(before));
+    return done && play(Steps().take_in().of(unit));
+  }
+  /// A part from the feeder at `position` in the gripper, the arm over the pallet, up.
+  bool fetch_from(int unit, std::uint16_t position) {
+    return play(Steps().move(position).grip().move(arm::over_pallet).of(unit));
+  }
+
+  Plant plant;
 };
 
 }  // namespace stationd::plant::test

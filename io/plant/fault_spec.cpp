@@ -42,14 +42,14 @@ constexpr Name kInputs[] = {{"pallet_at_entry", 0, 0},
                             {"place_occupied", 17, 4},
                             {"press_is_down", 18, 3},
                             {"lid_seated", 19, 3}};
-constexpr Name kCoilNames[] = {{"conveyor", 0, 0},     {"entry_stopper_open", 1, 0}, {"stopper_open", 2, 0},
-                               {"clamp_close", 3, 0},  {"read_code", 4, 0},          {"arm_enable", 5, 0},
-                               {"arm_down", 6, 0},     {"gripper_close", 7, 0},      {"press_down", 8, 3}};
-constexpr Name kRegisters[] = {{"pallet_code_high", 0, 0}, {"pallet_code_low", 1, 0}, {"arm_position", 2, 0},
-                               {"base_1_level", 3, 1},     {"base_2_level", 4, 1},    {"bearing_1_level", 3, 2},
-                               {"bearing_2_level", 4, 2},  {"shaft_1_level", 5, 2},   {"shaft_2_level", 6, 2},
-                               {"lid_1_level", 3, 3},      {"lid_2_level", 4, 3},     {"shelf_1_free", 3, 4},
-                               {"shelf_2_free", 4, 4}};
+constexpr Name kCoilNames[] = {{"conveyor", 0, 0},    {"entry_stopper_open", 1, 0}, {"stopper_open", 2, 0},
+                               {"clamp_close", 3, 0}, {"read_code", 4, 0},          {"arm_enable", 5, 0},
+                               {"arm_down", 6, 0},    {"gripper_close", 7, 0},      {"press_down", 8, 3}};
+constexpr Name kRegisters[] = {
+    {"pallet_code_high", 0, 0}, {"pallet_code_low", 1, 0}, {"arm_position", 2, 0},    {"base_1_level", 3, 1},
+    {"base_2_level", 4, 1},     {"bearing_1_level", 3, 2}, {"bearing_2_level", 4, 2}, {"shaft_1_level", 5, 2},
+    {"shaft_2_level", 6, 2},    {"lid_1_level", 3, 3},     {"lid_2_level", 4, 3},     {"shelf_1_free", 3, 4},
+    {"shelf_2_free", 4, 4}};
 constexpr Name kFeeders[] = {{"base_1", 0, 1},  {"base_2", 1, 1},  {"bearing_1", 0, 2}, {"bearing_2", 1, 2},
                              {"shaft_1", 2, 2}, {"shaft_2", 3, 2}, {"lid_1", 0, 3},     {"lid_2", 1, 3},
                              {"shelf_1", 0, 4}, {"shelf_2", 1, 4}};
@@ -92,7 +92,8 @@ std::uint32_t index_of(std::string_view text, FaultKind kind, int unit) {
     allowed.append(allowed.empty() ? "" : ", ").append(name.name);
   }
   throw std::invalid_argument("\"" + std::string(text) + "\" is not known to " + std::string(name_of(kind)) +
-                              " in unit " + std::to_string(unit) + (allowed.empty() ? "" : "; there are: " + allowed));
+                              " in unit " + std::to_string(unit) +
+                              (allowed.empty() ? "" : "; there are: " + allowed));
 }
 
 /// Cuts `text` at its last `mark` and gives what is behind it.
@@ -115,7 +116,8 @@ Fault parse_fault(std::string_view spec) {
   if (value) fault.value = static_cast<std::uint32_t>(parse_integer(*value, "value", 0, 0xFFFF'FFFF));
   const std::size_t colon = rest.find(':');
   if (colon == std::string_view::npos) {
-    throw std::invalid_argument("\"" + std::string(spec) + "\" is not KIND:UNIT[.INDEX][=VALUE][@FROM][+DURATION]");
+    throw std::invalid_argument("\"" + std::string(spec) +
+                                "\" is not KIND:UNIT[.INDEX][=VALUE][@FROM][+DURATION]");
   }
   fault.kind = kind_of(rest.substr(0, colon));
   rest.remove_prefix(colon + 1);
@@ -128,7 +130,8 @@ Fault parse_fault(std::string_view spec) {
   const bool valued = fault.kind == FaultKind::sensor_stuck || fault.kind == FaultKind::register_stuck ||
                       fault.kind == FaultKind::code_wrong;
   if (valued != value.has_value()) {
-    throw std::invalid_argument(std::string(name_of(fault.kind)) + (valued ? " needs a value: =VALUE" : " takes no value"));
+    throw std::invalid_argument(std::string(name_of(fault.kind)) +
+                                (valued ? " needs a value: =VALUE" : " takes no value"));
   }
   return fault;
 }

@@ -9,8 +9,9 @@ namespace stationd::plant {
 namespace {
 
 constexpr std::array<std::string_view, 11> kNames = {
-    "sensor_stuck", "register_stuck", "actuator_jammed", "arm_jammed_between", "magazine_empty", "code_unreadable",
-    "code_wrong",   "pallet_lost",    "part_lost",       "part_off_pallet",    "infeed_stops"};
+    "sensor_stuck",   "register_stuck",  "actuator_jammed", "arm_jammed_between",
+    "magazine_empty", "code_unreadable", "code_wrong",      "pallet_lost",
+    "part_lost",      "part_off_pallet", "infeed_stops"};
 
 struct Limits {
   std::uint32_t index_max;

@@ -15,14 +15,14 @@ namespace stationd::plant {
 /// "sensor_stuck", ...
 std::string_view name_of(FaultKind kind) noexcept;
 
-/// Reads what `plantsim --inject` takes: KIND:UNIT[.INDEX][=VALUE][@FROM][+DURATION]. KIND is a FaultKind's name, or
-/// `sensor` or `jam` with the tag for INDEX ("sensor:2.pallet_in_position=1@5s+2s"). Times: ns, us, ms, s.
-/// Throws std::invalid_argument that says what is wrong and what is allowed.
+/// Reads what `plantsim --inject` takes: KIND:UNIT[.INDEX][=VALUE][@FROM][+DURATION]. KIND is a FaultKind's
+/// name, or `sensor` or `jam` with the tag for INDEX ("sensor:2.pallet_in_position=1@5s+2s"). Times: ns, us,
+/// ms, s. Throws std::invalid_argument that says what is wrong and what is allowed.
 Fault parse_fault(std::string_view spec);
 
 /// What acts on one unit in the present step.
 struct UnitFaults {
-  std::uint32_t stuck_mask = 0;   ///< by discrete input
+  std::uint32_t stuck_mask = 0;  ///< by discrete input
   std::uint32_t stuck_value = 0;
   std::uint32_t register_mask = 0;  ///< by input register
   std::array<std::uint16_t, kInputRegisters> register_value{};
@@ -74,7 +74,8 @@ class FaultTable {
 
  private:
   static bool is_once(FaultKind kind) noexcept {
-    return kind == FaultKind::pallet_lost || kind == FaultKind::part_lost || kind == FaultKind::part_off_pallet;
+    return kind == FaultKind::pallet_lost || kind == FaultKind::part_lost ||
+           kind == FaultKind::part_off_pallet;
   }
 
   std::vector<Entry> entries_;

@@ -9,16 +9,24 @@ namespace {
 constexpr std::size_t kViolationsKept = 10'000;
 constexpr std::size_t kPalletsForeseen = 4'096;
 
-constexpr std::array<std::string_view, kViolationKinds> kViolationNames = {
-    "arm_sideways_while_down",   "gripper_opened_astray",   "seat_taken",
-    "wrong_order",               "arm_down_clamp_open",     "press_down_arm_in_way",
-    "press_down_clamp_open",     "clamp_holds_moving_pallet", "arm_holds_moving_pallet",
-    "press_holds_moving_pallet", "two_pallets_in_zone"};
+constexpr std::array<std::string_view, kViolationKinds> kViolationNames = {"arm_sideways_while_down",
+                                                                           "gripper_opened_astray",
+                                                                           "seat_taken",
+                                                                           "wrong_order",
+                                                                           "arm_down_clamp_open",
+                                                                           "press_down_arm_in_way",
+                                                                           "press_down_clamp_open",
+                                                                           "clamp_holds_moving_pallet",
+                                                                           "arm_holds_moving_pallet",
+                                                                           "press_holds_moving_pallet",
+                                                                           "two_pallets_in_zone"};
 constexpr std::array<std::string_view, kParts> kPartNames = {"base", "bearing", "shaft", "lid"};
 
 }  // namespace
 
-std::string_view name_of(ViolationKind kind) noexcept { return kViolationNames[static_cast<std::size_t>(kind)]; }
+std::string_view name_of(ViolationKind kind) noexcept {
+  return kViolationNames[static_cast<std::size_t>(kind)];
+}
 std::string_view name_of(Part part) noexcept { return kPartNames[static_cast<std::size_t>(part)]; }
 
 Ledger::Ledger(std::vector<PieceType> types) : types_(std::move(types)) {
@@ -40,7 +48,9 @@ void Ledger::violate(ViolationKind kind, int unit, std::uint32_t pallet, std::in
   if (violations_.size() < kViolationsKept) violations_.push_back({now_ns, kind, unit, pallet});
 }
 
-std::uint32_t Ledger::count(ViolationKind kind) const noexcept { return by_kind_[static_cast<std::size_t>(kind)]; }
+std::uint32_t Ledger::count(ViolationKind kind) const noexcept {
+  return by_kind_[static_cast<std::size_t>(kind)];
+}
 
 const PieceType* Ledger::type_of(std::uint32_t code) const noexcept {
   for (const PieceType& type : types_) {

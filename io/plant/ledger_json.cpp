@@ -7,7 +7,8 @@ namespace stationd::plant {
 namespace {
 
 constexpr std::int64_t kNsPerMs = 1'000'000;
-constexpr std::array<std::string_view, 6> kFates = {"in_cell", "right", "wrong", "removed", "dropped", "unstored"};
+constexpr std::array<std::string_view, 6> kFates = {"in_cell", "right",   "wrong",
+                                                    "removed", "dropped", "unstored"};
 
 /// Builds one JSON text; keys and strings here are our own plain words and need no escapes.
 class Json {

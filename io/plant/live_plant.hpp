@@ -10,8 +10,8 @@
 
 namespace stationd::plant {
 
-/// Replaces the file by `text` in one go (temporary file beside it, then rename), so that a reader, or a kill in the
-/// middle, never meets half of it. Throws std::system_error naming the file.
+/// Replaces the file by `text` in one go (temporary file beside it, then rename), so that a reader, or a kill
+/// in the middle, never meets half of it. Throws std::system_error naming the file.
 void write_atomically(const std::string& path, const std::string& text);
 
 struct LiveOptions {
@@ -22,18 +22,20 @@ struct LiveOptions {
 
 class LivePlant {
  public:
-  /// Throws std::invalid_argument for the configuration, std::runtime_error for a state file that cannot be used.
+  /// Throws std::invalid_argument for the configuration, std::runtime_error for a state file that cannot be
+  /// used.
   LivePlant(PlantConfig config, LiveOptions options);
 
   Plant& plant() noexcept { return plant_; }
   const Plant& plant() const noexcept { return plant_; }
 
-  /// Steps the plant up to `now_ns` (CLOCK_MONOTONIC; the first call sets the origin). After a gap of more than a second
-  /// the plant goes on one second later and the rest is lost: it stood still as its process did.
+  /// Steps the plant up to `now_ns` (CLOCK_MONOTONIC; the first call sets the origin). After a gap of more
+  /// than a second the plant goes on one second later and the rest is lost: it stood still as its process
+  /// did.
   void advance(std::int64_t now_ns);
 
-  /// A file's new content, when one is due: the ledger each 250 ms, the state each 200 ms, less often when they are
-  /// long. Formatting is done here, writing (which may block) by the caller.
+  /// A file's new content, when one is due: the ledger each 250 ms, the state each 200 ms, less often when
+  /// they are long. Formatting is done here, writing (which may block) by the caller.
   struct Due {
     std::string ledger, state;
     bool any() const noexcept { return !ledger.empty() || !state.empty(); }

@@ -55,7 +55,8 @@ template <std::size_t N> std::uint8_t read_bits(Exchange& x, const std::array<bo
   x.byte((count + 7) / 8);
   for (std::size_t at = 0; at < count; at += 8) {
     unsigned packed = 0;
-    for (std::size_t bit = 0; bit < 8 && at + bit < count; ++bit) packed |= unsigned{bits[first + at + bit]} << bit;
+    for (std::size_t bit = 0; bit < 8 && at + bit < count; ++bit)
+      packed |= unsigned{bits[first + at + bit]} << bit;
     x.byte(packed);
   }
   return 0;
@@ -130,7 +131,8 @@ std::uint8_t write_and_read_registers(Exchange& x) noexcept {
   const std::size_t first = word(x.pdu, 5), count = word(x.pdu, 7), bytes = x.pdu[9];
   if (bytes != 2 * count || x.pdu.size() != 10 + bytes) return kIllegalValue;
   if (const std::uint8_t wrong = check(first, count, kReadWriteRegistersMax, kHoldingRegisters)) return wrong;
-  if (const std::uint8_t wrong = check(read_first, read_count, kReadRegistersMax, kHoldingRegisters)) return wrong;
+  if (const std::uint8_t wrong = check(read_first, read_count, kReadRegistersMax, kHoldingRegisters))
+    return wrong;
   for (std::size_t i = 0; i < count; ++i) x.io.holding_registers[first + i] = word(x.pdu, 10 + 2 * i);
   put_registers(x, std::span<const std::uint16_t>(x.io.holding_registers).subspan(read_first, read_count));
   return 0;

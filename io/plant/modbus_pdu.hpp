@@ -25,8 +25,8 @@ Frame first_frame(std::span<const std::uint8_t> received) noexcept;
 
 using Reply = std::array<std::uint8_t, kAduMax>;
 
-/// Carries out one complete frame and encodes the answer; returns its length. Answers exception 1 for a function that
-/// is not there, 2 for an address, 3 for a count or value, 0x0B for a unit other than 1 to 4.
+/// Carries out one complete frame and encodes the answer; returns its length. Answers exception 1 for a
+/// function that is not there, 2 for an address, 3 for a count or value, 0x0B for a unit other than 1 to 4.
 std::size_t answer(Plant& plant, std::span<const std::uint8_t> frame, Reply& reply) noexcept;
 
 }  // namespace stationd::plant

@@ -105,7 +105,8 @@ bool ModbusServer::serve(Client& client, Plant& plant) {
 }
 
 bool ModbusServer::receive(Client& client) {
-  const ssize_t got = ::recv(client.fd, client.in.data() + client.received, client.in.size() - client.received, 0);
+  const ssize_t got =
+      ::recv(client.fd, client.in.data() + client.received, client.in.size() - client.received, 0);
   if (got < 0) return would_block(errno);
   client.received += static_cast<std::size_t>(got);
   return got != 0;

@@ -16,8 +16,8 @@ class ModbusServer {
  public:
   static constexpr std::size_t kClientsMax = 64;
 
-  /// Listens on `address` (IPv4 literal) and `port` (0: the kernel picks). Throws std::system_error with the system's
-  /// reason ("Address already in use"), std::invalid_argument for an address that is none.
+  /// Listens on `address` (IPv4 literal) and `port` (0: the kernel picks). Throws std::system_error with the
+  /// system's reason ("Address already in use"), std::invalid_argument for an address that is none.
   ModbusServer(const std::string& address, std::uint16_t port);
   ~ModbusServer();
   ModbusServer(const ModbusServer&) = delete;
@@ -28,8 +28,8 @@ class ModbusServer {
   /// Connections closed because what came was not Modbus/TCP, or because there were too many.
   std::uint64_t refused() const noexcept { return refused_; }
 
-  /// Waits at most `timeout_ms` for something to do and does it; a signal ends the wait. `before_requests` is called
-  /// once before any request is carried out: bring the plant up to date there.
+  /// Waits at most `timeout_ms` for something to do and does it; a signal ends the wait. `before_requests` is
+  /// called once before any request is carried out: bring the plant up to date there.
   void poll(Plant& plant, int timeout_ms, const std::function<void()>& before_requests);
 
  private:

@@ -8,7 +8,8 @@
 
 namespace stationd::plant {
 
-/// A decimal integer from `min` to `max`. Throws std::invalid_argument with `what`, what was found and what is allowed.
+/// A decimal integer from `min` to `max`. Throws std::invalid_argument with `what`, what was found and what
+/// is allowed.
 std::int64_t parse_integer(std::string_view text, std::string_view what, std::int64_t min, std::int64_t max);
 
 /// "500ms", "2s", "1.5s", "250us", "10ns", to nanoseconds. Throws std::invalid_argument as above.

@@ -27,18 +27,22 @@ std::uint64_t draw(std::uint64_t& state) noexcept {
 }  // namespace
 
 std::vector<PieceType> PlantConfig::default_types() {
-  return {{101, {1, 1, 1, 1}, 300'000'000, 1}, {102, {2, 1, 2, 2}, 500'000'000, 2}, {103, {1, 2, 2, 1}, 400'000'000, 1}};
+  return {{101, {1, 1, 1, 1}, 300'000'000, 1},
+          {102, {2, 1, 2, 2}, 500'000'000, 2},
+          {103, {1, 2, 2, 1}, 400'000'000, 1}};
 }
 
 Plant::Plant(PlantConfig config) : config_(std::move(config)), ledger_(config_.types), random_(config_.seed) {
   if (config_.types.empty()) throw std::invalid_argument("plant: no types of piece");
   if (config_.step_ns < kStepMin || config_.step_ns > kStepMax) {
-    throw std::invalid_argument("plant: a step of " + std::to_string(config_.step_ns) + " ns is not 100 us to 100 ms");
+    throw std::invalid_argument("plant: a step of " + std::to_string(config_.step_ns) +
+                                " ns is not 100 us to 100 ms");
   }
   const MotionTimes& times = config_.times;
-  for (const std::int64_t time : {times.entry_ns, times.transfer_ns, times.leave_ns, times.infeed_ns, times.outfeed_ns,
-                                  times.entry_stopper_ns, times.stopper_ns, times.clamp_ns, times.gripper_ns,
-                                  times.arm_height_ns, times.arm_pitch_ns, times.press_ns, times.code_read_ns}) {
+  for (const std::int64_t time :
+       {times.entry_ns, times.transfer_ns, times.leave_ns, times.infeed_ns, times.outfeed_ns,
+        times.entry_stopper_ns, times.stopper_ns, times.clamp_ns, times.gripper_ns, times.arm_height_ns,
+        times.arm_pitch_ns, times.press_ns, times.code_read_ns}) {
     if (time < 1) throw std::invalid_argument("plant: a motion time below 1 ns");
   }
   for (int unit = 1; unit <= kUnits; ++unit) stations_[index_of(unit)].set_up(unit, config_);
@@ -96,9 +100,11 @@ void Plant::step_infeed() {
   }
   infeed_wait_ns_ += config_.step_ns;
   if (infeed_wait_ns_ < config_.times.infeed_ns) return;
-  const std::uint64_t drawn = draw(random_);  // drawn for listed codes too: a list does not shift what comes after it
-  const std::uint32_t code =
-      entered_ < config_.codes.size() ? config_.codes[entered_] : config_.types[drawn % config_.types.size()].code;
+  const std::uint64_t drawn =
+      draw(random_);  // drawn for listed codes too: a list does not shift what comes after it
+  const std::uint32_t code = entered_ < config_.codes.size()
+                                 ? config_.codes[entered_]
+                                 : config_.types[drawn % config_.types.size()].code;
   entry = {};
   entry.pallet.number = ledger_.open(code, now_ns_).number;
   entry.pallet.code = code;
@@ -205,7 +211,8 @@ bool Plant::operator_removes_pallet(int unit, Zone zone) {
 }
 
 bool Plant::operator_removes_part(int unit, Part lowest) {
-  const bool done = take_part_off(stations_[index_of(unit)].position.pallet, static_cast<std::size_t>(lowest));
+  const bool done =
+      take_part_off(stations_[index_of(unit)].position.pallet, static_cast<std::size_t>(lowest));
   refresh_inputs();
   return done;
 }
@@ -234,8 +241,9 @@ void Plant::operator_sets_level(int unit, std::size_t feeder, std::uint16_t leve
 std::uint32_t Plant::pallet_in(int unit, Zone zone) const noexcept {
   if (zone == Zone::outfeed) return unit == kUnits ? outfeed_.pallet.number : 0;
   const Station& station = stations_[index_of(unit)];
-  const TrackSlot& slot =
-      zone == Zone::entry ? station.entry : zone == Zone::transfer ? station.transfer : station.position;
+  const TrackSlot& slot = zone == Zone::entry      ? station.entry
+                          : zone == Zone::transfer ? station.transfer
+                                                   : station.position;
   return slot.pallet.number;
 }
 

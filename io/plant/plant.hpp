@@ -1,4 +1,4 @@
-// Plant: the cell's physics (docs/cell.md) in fixed time steps, repeatable from a seed, with its ledger and faults.
+// Plant: the cell's physics (docs/cell.md) in fixed time steps, repeatable from a seed; ledger, faults.
 // Owned by its user: a test, SharedPlant, plantsim.
 // One thread at a time; no clock, no I/O, no threads of its own.
 #pragma once
@@ -21,8 +21,8 @@ class Plant {
   explicit Plant(PlantConfig config = {});
 
   // --- the units, as a controller sees them ---
-  /// Unit 1..4; asserts otherwise. Coils and holding registers may be written at any time between steps and act from
-  /// the next step on.
+  /// Unit 1..4; asserts otherwise. Coils and holding registers may be written at any time between steps and
+  /// act from the next step on.
   UnitIo& unit(int number) noexcept;
   const UnitIo& unit(int number) const noexcept;
   /// Tells the unit's watchdog (PlantConfig::watchdog_ns) that something was written to it.
@@ -45,9 +45,11 @@ class Plant {
   void clear_faults() noexcept;
 
   // --- the operator's hands; each acts at once; false when there was nothing to do ---
-  /// Takes what the gripper holds (part or piece) out of it. A piece so removed counts as removed, not as missing.
+  /// Takes what the gripper holds (part or piece) out of it. A piece so removed counts as removed, not as
+  /// missing.
   bool operator_removes_from_gripper(int unit);
-  /// Takes the pallet, with what is on it, out of a zone of the unit (outfeed: unit 4). Its piece counts as removed.
+  /// Takes the pallet, with what is on it, out of a zone of the unit (outfeed: unit 4). Its piece counts as
+  /// removed.
   bool operator_removes_pallet(int unit, Zone zone);
   /// Takes a part, and what is on it, off the pallet in position.
   bool operator_removes_part(int unit, Part lowest);
@@ -69,8 +71,9 @@ class Plant {
   // --- save and load, so that the plant outlives the process that models it ---
   /// Everything but the configuration and the faults, as text with a checksum.
   std::string save() const;
-  /// Restores what save() gave from a plant of the same configuration; the units come up with their coils dropped, all
-  /// but gripper_close. Throws std::runtime_error naming what is wrong; the plant is then unchanged.
+  /// Restores what save() gave from a plant of the same configuration; the units come up with their coils
+  /// dropped, all but gripper_close. Throws std::runtime_error naming what is wrong; the plant is then
+  /// unchanged.
   void load(std::string_view text);
 
  private:

@@ -12,7 +12,7 @@ namespace stationd::plant {
 namespace {
 
 constexpr const char* kHelp = R"(usage: plantsim [OPTION]...
-Simulates the cell (loader, robot, sealer, storage) as Modbus/TCP units 1 to 4 behind one port; see docs/cell.md.
+Simulates the cell (loader, robot, sealer, storage; docs/cell.md) as Modbus/TCP units 1 to 4 behind one port.
 
   --port N            port to listen on; 0: the kernel picks one (default 5020)
   --bind ADDRESS      IPv4 address to listen on (default 127.0.0.1); anyone who reaches it can drive the plant
@@ -24,22 +24,23 @@ Simulates the cell (loader, robot, sealer, storage) as Modbus/TCP units 1 to 4 b
   --speed X           plant seconds per second, up to 1000 (default 1)
   --magazine N        parts a magazine holds, places a shelf has, 1 to 60000 (default 50)
   --no-operator       nobody refills magazines and empties shelves
-  --watchdog DURATION a unit to which nothing was written for so long drops its coils, all but gripper_close; 0s: never
-                      (default 500ms, real time)
-  --inject SPEC       a fault: KIND:UNIT[.INDEX][=VALUE][@FROM][+DURATION], repeatable; INDEX is a number or a name;
-                      FROM counts in plant time from the start of this run; without +DURATION it stays. Examples:
-                        sensor:2.pallet_in_position=1@5s+2s   jam:1.stopper_open@10s+5s   code_wrong:3=999@0s+20s
-                        register:1.base_1_level=7   magazine_empty:2.shaft_1@3s+10s   code_unreadable:2@4s+3s
-                        arm_jammed_between:3@5s   pallet_lost:2.transfer@8s   part_lost:2@6s   part_off_pallet:3.shaft
-                        infeed_stops:1@20s+10s
+  --watchdog DURATION a unit to which nothing was written for so long drops its coils, all but gripper_close;
+                      0s: never (default 500ms, real time)
+  --inject SPEC       a fault: KIND:UNIT[.INDEX][=VALUE][@FROM][+DURATION], repeatable; INDEX is a number or a
+                      name; FROM is plant time since this run began; without +DURATION it stays. Examples:
+                        sensor:2.pallet_in_position=1@5s+2s  jam:1.stopper_open@10s+5s  code_wrong:3=999@0s
+                        register:1.base_1_level=7  magazine_empty:2.shaft_1@3s+10s  code_unreadable:2@4s+3s
+                        arm_jammed_between:3@5s  pallet_lost:2.transfer@8s  part_lost:2@6s
+                        part_off_pallet:3.shaft  infeed_stops:1@20s+10s
   --ledger FILE       what really happened, as JSON, kept up to date (schema in io/plant/ledger.hpp)
   --state FILE        load the plant from FILE if it is there; save it each 200 ms and at the end
   --pieces-exit N     end when N pieces are stored
   --quiet             print nothing but errors
   --help              this text
 
-It prints "plantsim: listening on ADDRESS:PORT" when ready. SIGTERM and SIGINT end it, ledger and state written.
-Exit status: 0 ended as asked, 64 bad option, 65 state file cannot be used, 69 cannot listen, 73 cannot write a file.
+It prints "plantsim: listening on ADDRESS:PORT" when ready. SIGTERM and SIGINT end it
+(ledger and state are written first).
+Exit status: 0 ended as asked, 64 bad option, 65 state file cannot be used, 69 cannot listen, 73 cannot write.
 )";
 
 constexpr std::int64_t kCountMax = 4'000'000'000;
@@ -48,7 +49,8 @@ std::vector<std::uint32_t> parse_codes(std::string_view text) {
   std::vector<std::uint32_t> codes;
   while (!text.empty()) {
     const std::size_t comma = text.find(',');
-    codes.push_back(static_cast<std::uint32_t>(parse_integer(text.substr(0, comma), "--codes", 1, 0xFFFF'FFFF)));
+    codes.push_back(
+        static_cast<std::uint32_t>(parse_integer(text.substr(0, comma), "--codes", 1, 0xFFFF'FFFF)));
     text = comma == std::string_view::npos ? std::string_view{} : text.substr(comma + 1);
   }
   return codes;
@@ -74,11 +76,14 @@ struct Option {
 };
 
 const Option kWithValue[] = {
-    {"--port", [](auto& o, Value v) { o.port = static_cast<std::uint16_t>(parse_integer(v, "--port", 0, 65535)); }},
+    {"--port",
+     [](auto& o, Value v) { o.port = static_cast<std::uint16_t>(parse_integer(v, "--port", 0, 65535)); }},
     {"--bind", [](auto& o, Value v) { o.bind = v; }},
     {"--ready-file", [](auto& o, Value v) { o.ready_file = parse_file(v, "--ready-file"); }},
     {"--seed",
-     [](auto& o, Value v) { o.plant.seed = static_cast<std::uint64_t>(parse_integer(v, "--seed", 0, INT64_MAX)); }},
+     [](auto& o, Value v) {
+       o.plant.seed = static_cast<std::uint64_t>(parse_integer(v, "--seed", 0, INT64_MAX));
+     }},
     {"--pallets",
      [](auto& o, Value v) {
        o.plant.pallets = static_cast<std::uint32_t>(parse_integer(v, "--pallets", 0, kCountMax));
@@ -125,14 +130,16 @@ PlantsimOptions parse_plantsim_options(std::span<const char* const> arguments) {
     const std::size_t equals = name.starts_with("--") ? name.find('=') : std::string_view::npos;
     const Option* const option = find(kWithValue, name.substr(0, equals));
     if (option == nullptr) {
-      throw std::invalid_argument("unknown option \"" + std::string(name) + "\"; plantsim --help lists what there is");
+      throw std::invalid_argument("unknown option \"" + std::string(name) +
+                                  "\"; plantsim --help lists what there is");
     }
     if (equals == std::string_view::npos && i + 1 == arguments.size()) {
       throw std::invalid_argument(std::string(name) + " needs a value");
     }
     option->set(options, equals == std::string_view::npos ? Value(arguments[++i]) : name.substr(equals + 1));
   }
-  options.plant.watchdog_ns = static_cast<std::int64_t>(static_cast<double>(options.watchdog_ns) * options.speed);
+  options.plant.watchdog_ns =
+      static_cast<std::int64_t>(static_cast<double>(options.watchdog_ns) * options.speed);
   return options;
 }
 

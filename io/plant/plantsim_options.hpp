@@ -28,8 +28,8 @@ struct PlantsimOptions {
 /// The text of --help.
 const char* plantsim_help() noexcept;
 
-/// Reads the arguments behind the program's name. Throws std::invalid_argument that names the option, what was found
-/// and what is allowed.
+/// Reads the arguments behind the program's name. Throws std::invalid_argument that names the option, what
+/// was found and what is allowed.
 PlantsimOptions parse_plantsim_options(std::span<const char* const> arguments);
 
 }  // namespace stationd::plant

@@ -80,7 +80,8 @@ Slot read_point(const UnitIo& io, const Point& point) noexcept {
   const std::uint16_t* const registers =
       point.table == Table::input_register ? io.input_registers.data() : io.holding_registers.data();
   Slot value = 0;
-  for (std::size_t i = 0; i < registers_of(point.type); ++i) value = (value << 16) | registers[point.address + i];
+  for (std::size_t i = 0; i < registers_of(point.type); ++i)
+    value = (value << 16) | registers[point.address + i];
   return sign_extended(point.type, value);
 }
 
@@ -153,7 +154,8 @@ ExchangeResult SimulatedBackend::exchange(std::span<const OutputValue> outputs, 
       if (outputs[i].write) write_point(io, outputs_[i], outputs[i].value);
     }
     if (!outputs_.empty()) model.note_write(unit_);
-    for (std::size_t i = 0; i < std::min(inputs.size(), inputs_.size()); ++i) inputs[i] = read_point(io, inputs_[i]);
+    for (std::size_t i = 0; i < std::min(inputs.size(), inputs_.size()); ++i)
+      inputs[i] = read_point(io, inputs_[i]);
   });
   // The ledger is a by-product: a disk that is full must not look like a device that is lost.
   static_cast<void>(plant_->write_due(now_ns));

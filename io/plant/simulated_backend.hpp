@@ -1,6 +1,6 @@
-// SharedPlant and SimulatedBackend: one plant in the daemon's own process, seen by each station's device thread as a unit.
+// SharedPlant, SimulatedBackend: one plant in the daemon's own process, a unit of it for each device.
 // SharedPlant is owned jointly by its backends; a SimulatedBackend by its device.
-// SharedPlant: any device thread (a mutex inside, never a scan thread). SimulatedBackend: its device thread only.
+// SharedPlant: any device thread (a mutex inside; never a scan). SimulatedBackend: its device thread only.
 #pragma once
 
 #include <cstdint>
@@ -26,15 +26,16 @@ class SharedPlant {
   SharedPlant(const SharedPlant&) = delete;
   SharedPlant& operator=(const SharedPlant&) = delete;
 
-  /// Any thread but a scan. Brings the plant up to `now_ns` (CLOCK_MONOTONIC) and calls `use(plant)` under the mutex.
+  /// Any thread but a scan. Brings the plant up to `now_ns` (CLOCK_MONOTONIC) and calls `use(plant)` under
+  /// the mutex.
   template <class Use> auto with(std::int64_t now_ns, Use use) {
     const std::lock_guard lock(mutex_);
     live_.advance(now_ns);
     return use(live_.plant());
   }
 
-  /// Any thread but a scan. Writes the ledger file when due; another thread's writing is not waited for. Empty, or
-  /// what went wrong.
+  /// Any thread but a scan. Writes the ledger file when due; another thread's writing is not waited for.
+  /// Empty, or what went wrong.
   std::string write_due(std::int64_t now_ns);
 
  private:
@@ -45,7 +46,8 @@ class SharedPlant {
 
 class SimulatedBackend : public Backend {
  public:
-  /// `unit` 1 to 4. Throws std::invalid_argument naming the tag whose table, address, type or direction is not to be had.
+  /// `unit` 1 to 4. Throws std::invalid_argument naming the tag whose table, address, type or direction is
+  /// not to be had.
   SimulatedBackend(std::shared_ptr<SharedPlant> plant, int unit, std::vector<Point> points);
 
   ExchangeResult exchange(std::span<const OutputValue> outputs, std::span<Slot> inputs,

@@ -1,4 +1,5 @@
-// Plant::save and Plant::load: one list of values, visited by a writer or by a reader, with a checksum behind it.
+// Plant::save and Plant::load: one list of values, visited by a writer or by a reader, with a checksum behind
+// it.
 #include <charconv>
 #include <stdexcept>
 #include <string>
@@ -21,7 +22,9 @@ std::uint64_t checksum(std::string_view text) noexcept {
 class Writer {
  public:
   static constexpr bool kReads = false;
-  template <class T> void operator()(T& value) { (text_ += std::to_string(static_cast<std::int64_t>(value))) += ' '; }
+  template <class T> void operator()(T& value) {
+    (text_ += std::to_string(static_cast<std::int64_t>(value))) += ' ';
+  }
   void line() { text_.back() = '\n'; }
   std::string text_{kTitle};
 };
@@ -34,7 +37,8 @@ class Reader {
     std::int64_t number = 0;
     const auto [end, error] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), number);
     if (error != std::errc{}) throw std::runtime_error("plant state: a value is missing or no number");
-    rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()) + (end != rest_.data() + rest_.size() ? 1U : 0U));
+    rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()) +
+                        (end != rest_.data() + rest_.size() ? 1U : 0U));
     value = static_cast<T>(number);
   }
   void line() {}

@@ -70,7 +70,8 @@ void Station::step_arriving(const Surroundings& around) {
   const MotionTimes& times = around.config.times;
   if (transfer.taken()) {
     transfer.travel_ns = std::min(transfer.travel_ns + dt, times.transfer_ns);
-    // A pallet that finds the position taken, or the clamp in its way, waits there with the belt slipping under it.
+    // A pallet that finds the position taken, or the clamp in its way, waits there with the belt slipping
+    // under it.
     if (transfer.travel_ns == times.transfer_ns && !position.taken() && clamp.at_start()) {
       position = {transfer.pallet, 0};
       transfer = {};
@@ -119,7 +120,8 @@ void Station::step_axes(const Surroundings& around) {
 void Station::step_arm(const Surroundings& around) {
   const std::uint16_t target = io.holding_registers[hr::arm_target];
   const std::int64_t goal_ns = (std::int64_t{target} - 1) * pitch_ns_;
-  const bool wanted = io.coils[co::arm_enable] && target >= 1 && target <= positions() && goal_ns != arm_at_ns;
+  const bool wanted =
+      io.coils[co::arm_enable] && target >= 1 && target <= positions() && goal_ns != arm_at_ns;
   arm_moving_ = false;
   // A lowered arm stays where it is: the crash is in the ledger, the model goes on.
   flag(around, ViolationKind::arm_sideways_while_down, wanted && !arm_height.at_start());
@@ -154,7 +156,10 @@ void Station::grip(const Surroundings& around) {
   const std::size_t index = static_cast<std::size_t>(at - arm::feeder_first);
   if (feeders[index].level == 0) return;
   --feeders[index].level;
-  const Part part = unit_ == 1 ? Part::base : unit_ == 3 ? Part::lid : index < 2 ? Part::bearing : Part::shaft;
+  const Part part = unit_ == 1   ? Part::base
+                    : unit_ == 3 ? Part::lid
+                    : index < 2  ? Part::bearing
+                                 : Part::shaft;
   held = {Grip::part, part, static_cast<std::uint8_t>(index % 2 + 1), {}};
 }
 
@@ -243,7 +248,8 @@ void Station::step_reader(const Surroundings& around) {
 }
 
 void Station::judge_interlocks(const Surroundings& around) {
-  // Judged by what is commanded: when all coils drop at once the arm rises while the clamp opens, which is no fault.
+  // Judged by what is commanded: when all coils drop at once the arm rises while the clamp opens, which is no
+  // fault.
   const bool lowering = io.coils[co::arm_down] && !arm_height.at_start();
   flag(around, ViolationKind::arm_down_clamp_open,
        lowering && arm_position() == arm::over_pallet && !clamp.past_half());

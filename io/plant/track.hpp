@@ -1,4 +1,4 @@
-// Station: one station's machinery in the plant: track, stoppers, clamp, arm, gripper, press, reader, magazines.
+// Station: one station's machinery: track, stoppers, clamp, arm, gripper, press, reader, magazines.
 // Owned by its Plant; the controller's program sees only its UnitIo.
 // The thread that steps the plant.
 #pragma once
@@ -38,7 +38,8 @@ struct Axis {
   std::int64_t full_ns = 1;
 
   void move(bool to_far_end, std::int64_t by_ns) noexcept {
-    at_ns = to_far_end ? (at_ns + by_ns < full_ns ? at_ns + by_ns : full_ns) : (at_ns > by_ns ? at_ns - by_ns : 0);
+    at_ns = to_far_end ? (at_ns + by_ns < full_ns ? at_ns + by_ns : full_ns)
+                       : (at_ns > by_ns ? at_ns - by_ns : 0);
   }
   bool at_start() const noexcept { return at_ns == 0; }
   bool at_end() const noexcept { return at_ns == full_ns; }
@@ -59,7 +60,7 @@ struct Held {
 struct Feeder {
   std::uint16_t level = 0;
   std::int64_t low_for_ns = 0;  ///< how long the operator could have seen it low
-  Pallet at_place;              ///< storage: the piece at the place under the arm; the shelf moves on when the arm leaves
+  Pallet at_place;  ///< storage: the piece at the place under the arm; the shelf moves on when the arm leaves
 };
 
 class Station {
@@ -98,12 +99,14 @@ class Station {
   Axis entry_stopper, stopper, clamp, arm_height, gripper, press;
   Held held;
   std::array<Feeder, 4> feeders;
-  std::int64_t arm_at_ns = 0;     ///< sideways; position p is at (p - 1) * pitch
-  std::int64_t reading_ns = 0;    ///< how long the reader has looked at the pallet in position
-  std::int64_t unwritten_ns = -1; ///< since the last write to the unit; -1: none yet
+  std::int64_t arm_at_ns = 0;      ///< sideways; position p is at (p - 1) * pitch
+  std::int64_t reading_ns = 0;     ///< how long the reader has looked at the pallet in position
+  std::int64_t unwritten_ns = -1;  ///< since the last write to the unit; -1: none yet
 
  private:
-  bool on(std::size_t coil, const UnitFaults& faults) const noexcept { return io.coils[coil] && !faults.jammed(coil); }
+  bool on(std::size_t coil, const UnitFaults& faults) const noexcept {
+    return io.coils[coil] && !faults.jammed(coil);
+  }
   void flag(const Surroundings& around, ViolationKind kind, bool now) noexcept;
   void step_track(const Surroundings& around);
   void step_arriving(const Surroundings& around);
@@ -129,7 +132,7 @@ class Station {
   std::uint32_t flagged_ = 0;  ///< violations that last, by kind
   std::uint32_t code_shown_ = 0;
   bool arm_moving_ = false;
-  bool crowded_ = false;       ///< in this step a pallet was driven into a zone that is taken
+  bool crowded_ = false;  ///< in this step a pallet was driven into a zone that is taken
 };
 
 }  // namespace stationd::plant
