@@ -32,12 +32,14 @@ class Cycle {
   bool started() const noexcept;
   /// True while a Stop with mode=end_of_piece waits for finished().
   bool finishing() const noexcept;
-  /// The piece is done and Stop may take effect: the station is STOPPED after this scan. No effect unless finishing().
+  /// The piece is done and Stop may take effect: the station is STOPPED after this scan. No effect unless
+  /// finishing().
   void finished() noexcept;
 
   /// Latches a fault: FAULT from the end of this scan, outputs safe, event raised. The first in a scan wins.
   void fault(std::uint32_t code, std::int64_t detail = 0) noexcept;
-  /// A condition that stands or not; call it every scan. Each change raises an event. At most 16 stand at once.
+  /// A condition that stands or not; call it every scan. Each change raises an event. At most 16 stand at
+  /// once.
   void warn(std::uint32_t code, bool active, std::int64_t detail = 0) noexcept;
   /// A single event.
   void note(std::uint32_t code, std::int64_t detail = 0) noexcept;
@@ -45,7 +47,8 @@ class Cycle {
   /// For Status: step of the sequence, code of the piece in work (0: none), willing to take a pallet.
   void report(std::uint32_t step, std::uint32_t piece, bool ready) noexcept;
 
-  /// Asks that the retained tags, as they are at the end of this scan, be written at once. The ticket tells when they are.
+  /// Asks that the retained tags, as they are at the end of this scan, be written at once. The ticket tells
+  /// when they are.
   std::uint64_t save_retained() noexcept;
   /// Whether the record of that ticket is on disk.
   bool saved(std::uint64_t ticket) const noexcept;

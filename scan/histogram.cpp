@@ -24,13 +24,14 @@ std::int64_t Histogram::upper_ns(std::size_t index) noexcept {
 
 std::int64_t Histogram::quantile_ns(double quantile) const noexcept {
   std::uint64_t total = 0;  // from the buckets themselves: count_ may be ahead of them
-  for (const auto& bucket : buckets_) total += bucket.load(std::memory_order_relaxed);
+  for (const auto& bucket : buckets_) total += bucket.load(std::memory_order_acquire);
   if (total == 0) return 0;
   const double wanted = std::clamp(quantile, 0.0, 1.0) * static_cast<double>(total);
   std::uint64_t seen = 0;
   for (std::size_t i = 0; i < kBuckets; ++i) {
-    seen += buckets_[i].load(std::memory_order_relaxed);
-    if (seen != 0 && static_cast<double>(seen) >= wanted) return i + 1 == kBuckets ? max_ns() : std::min(upper_ns(i), max_ns());
+    seen += buckets_[i].load(std::memory_order_acquire);
+    if (seen != 0 && static_cast<double>(seen) >= wanted)
+      return i + 1 == kBuckets ? max_ns() : std::min(upper_ns(i), max_ns());
   }
   return max_ns();
 }

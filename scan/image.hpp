@@ -1,4 +1,5 @@
-// Process image: the tags of one station with their values and qualities, and the blocks in which they travel.
+// Process image: the tags of one station with their values and qualities, and the blocks in which they
+// travel.
 // Owned by the station; set up by one thread, then used by its scan thread alone.
 // Set-up may allocate and throw; after seal() nothing here does.
 #pragma once
@@ -24,10 +25,10 @@ struct TagSpec {
   std::string description;
   std::uint16_t length = 0;  ///< STRING only: most bytes, 1..255
   Slot initial = 0;
-  Slot safe = 0;          ///< outputs: value outside RUNNING
-  bool hold = false;      ///< outputs: outside RUNNING keep the last value instead
-  bool parameter = false; ///< internal tag whose initial value comes from the configuration
-  Slot min = 0;           ///< parameters: least and greatest value; both 0: the type's own range
+  Slot safe = 0;           ///< outputs: value outside RUNNING
+  bool hold = false;       ///< outputs: outside RUNNING keep the last value instead
+  bool parameter = false;  ///< internal tag whose initial value comes from the configuration
+  Slot min = 0;            ///< parameters: least and greatest value; both 0: the type's own range
   Slot max = 0;
 };
 
@@ -40,9 +41,11 @@ class Image {
   Image(const Image&) = delete;
   Image& operator=(const Image&) = delete;
 
-  /// Set-up. Throws SetupError for a name that is empty, malformed or taken.
+  /// Set-up, before seal(). Throws SetupError for a name that is empty, malformed or taken, for a STRING
+  /// without a length of 1..255, and after seal().
   TagIndex add(TagSpec spec);
-  /// Set-up. Gives every tag its place and initial value; pointers from value() and quality() stay valid for good.
+  /// Set-up. Gives every tag its place and initial value; pointers from value() and quality() stay valid for
+  /// good.
   void seal();
 
   std::optional<TagIndex> find(std::string_view name) const;
@@ -50,7 +53,10 @@ class Image {
   /// Set-up, before seal(): change the specification (initial, safe, hold) from the configuration.
   TagSpec& spec(TagIndex tag) { return specs_[tag]; }
   std::size_t size() const noexcept { return specs_.size(); }
-  std::uint32_t slot_count(TagIndex tag) const;
+  std::uint32_t slot_count(TagIndex tag) const noexcept {
+    return sealed() ? first_slot_[tag + 1] - first_slot_[tag] : slots_of(specs_[tag]);
+  }
+  bool sealed() const noexcept { return !first_slot_.empty(); }
 
   Slot* value(TagIndex tag) noexcept { return &slots_[first_slot_[tag]]; }
   const Slot* value(TagIndex tag) const noexcept { return &slots_[first_slot_[tag]]; }
@@ -58,19 +64,22 @@ class Image {
   const Quality* quality(TagIndex tag) const noexcept { return &qualities_[tag]; }
 
  private:
+  static std::uint32_t slots_of(const TagSpec& spec) noexcept;
+
   std::vector<TagSpec> specs_;
   std::unordered_map<std::string, TagIndex> by_name_;
-  std::vector<std::uint32_t> first_slot_;
+  std::vector<std::uint32_t> first_slot_;  // of each tag, and the end of the last
   std::vector<Slot> slots_;
   std::vector<Quality> qualities_;
 };
 
 /// Opens every block that crosses threads.
 struct BlockHeader {
-  std::int64_t time_ns = 0;    ///< inputs: CLOCK_MONOTONIC of local receipt; outputs and PVs: the scan's logical time
-  std::int64_t utc_ns = 0;     ///< PVs: the scan's time as UTC
-  std::uint64_t scan = 0;      ///< outputs, PVs: number of the scan that wrote it
-  std::uint64_t count = 0;     ///< publications so far; 0: nothing was ever published
+  std::int64_t time_ns =
+      0;  ///< inputs: CLOCK_MONOTONIC of local receipt; outputs and PVs: the scan's logical time
+  std::int64_t utc_ns = 0;         ///< PVs: the scan's time as UTC
+  std::uint64_t scan = 0;          ///< outputs, PVs: number of the scan that wrote it
+  std::uint64_t count = 0;         ///< publications so far; 0: nothing was ever published
   Quality quality = Quality::BAD;  ///< of the source as a whole
 };
 
@@ -90,7 +99,8 @@ struct BlockView {
     return {reinterpret_cast<Slot*>(bytes + sizeof(BlockHeader)), layout.slots};
   }
   std::span<Quality> qualities() const noexcept {
-    return {reinterpret_cast<Quality*>(bytes + sizeof(BlockHeader) + layout.slots * sizeof(Slot)), layout.tags};
+    return {reinterpret_cast<Quality*>(bytes + sizeof(BlockHeader) + layout.slots * sizeof(Slot)),
+            layout.tags};
   }
 };
 struct ConstBlockView {
@@ -101,7 +111,8 @@ struct ConstBlockView {
     return {reinterpret_cast<const Slot*>(bytes + sizeof(BlockHeader)), layout.slots};
   }
   std::span<const Quality> qualities() const noexcept {
-    return {reinterpret_cast<const Quality*>(bytes + sizeof(BlockHeader) + layout.slots * sizeof(Slot)), layout.tags};
+    return {reinterpret_cast<const Quality*>(bytes + sizeof(BlockHeader) + layout.slots * sizeof(Slot)),
+            layout.tags};
   }
 };
 

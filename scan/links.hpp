@@ -23,16 +23,16 @@ struct LinkTags {
 };
 
 /// Inputs from one source (a device, or one station's topic). Source thread writes, scan thread reads.
-/// The source publishes whole blocks: header.time_ns = local receipt (CLOCK_MONOTONIC), header.count = 1, 2, ...,
-/// header.quality = GOOD or, when the source itself knows better (lost, failed), BAD or STALE.
+/// The source publishes whole blocks: header.time_ns = local receipt (CLOCK_MONOTONIC), header.count = 1, 2,
+/// ..., header.quality = GOOD or, when the source itself knows better (lost, failed), BAD or STALE.
 struct InputLink {
   InputLink(std::string source_name, LinkTags link_tags, std::int64_t stale_ns, std::int64_t bad_ns)
-      : source(std::move(source_name)), tags(std::move(link_tags)), stale_after_ns(stale_ns), bad_after_ns(bad_ns),
-        blocks(tags.layout.size_bytes()) {}
+      : source(std::move(source_name)), tags(std::move(link_tags)), stale_after_ns(stale_ns),
+        bad_after_ns(bad_ns), blocks(tags.layout.size_bytes()) {}
   const std::string source;  ///< device name, or TOPIC/STATION
   const LinkTags tags;
-  const std::int64_t stale_after_ns;  ///< age at which the scan judges GOOD as STALE
-  const std::int64_t bad_after_ns;    ///< age at which the scan judges it BAD
+  const std::int64_t stale_after_ns;  ///< age above which the scan judges GOOD as STALE
+  const std::int64_t bad_after_ns;    ///< age above which the scan judges it BAD
   std::vector<std::string> members;   ///< bus links: the topic's member for each tag
   Snapshot blocks;
   bool seen = false;  ///< scan thread's own: the source was GOOD at least once
@@ -50,30 +50,34 @@ struct OutputLink {
 
 /// A PV group. Scan thread writes on change and at least every `heartbeat_ns`; the bus-out thread reads.
 struct PvLink {
-  PvLink(std::string topic_name, LinkTags link_tags, std::vector<std::string> member_names, std::int64_t heartbeat)
+  PvLink(std::string topic_name, LinkTags link_tags, std::vector<std::string> member_names,
+         std::int64_t heartbeat)
       : topic(std::move(topic_name)), tags(std::move(link_tags)), members(std::move(member_names)),
         heartbeat_ns(heartbeat), blocks(tags.layout.size_bytes()) {}
   const std::string topic;
   const LinkTags tags;
   const std::vector<std::string> members;  ///< for each tag
   const std::int64_t heartbeat_ns;
-  std::atomic<std::uint64_t> overtaken{0};  ///< publications replaced before they were sent; scan thread counts
+  /// Publications replaced before they were sent; scan thread counts.
+  std::atomic<std::uint64_t> overtaken{0};
   Snapshot blocks;
 };
 
-/// The retained tags. Scan thread writes when they change; the retain thread reads, saves, and sets `saved_scan`.
+/// The retained tags. Scan thread writes when they change; the retain thread reads, saves, and sets
+/// `saved_scan`.
 struct RetainLink {
   explicit RetainLink(LinkTags link_tags) : tags(std::move(link_tags)), blocks(tags.layout.size_bytes()) {}
   const LinkTags tags;
-  Snapshot blocks;  ///< header.scan: the scan whose end the values are of
+  Snapshot blocks;                            ///< header.scan: the scan whose end the values are of
   std::atomic<std::uint64_t> urgent_scan{0};  ///< scan thread: save the block of this scan (or later) at once
-  std::atomic<std::uint64_t> saved_scan{0};   ///< retain thread: the newest scan whose block is safely on disk
+  std::atomic<std::uint64_t> saved_scan{0};  ///< retain thread: the newest scan whose block is safely on disk
 };
 
 /// Stop: never queued. Bus-in thread sets, the scan takes it first thing in every cycle.
 class StopLatch {
  public:
-  /// Bus-in thread (any thread, in fact). `order`: receipt number; an immediate Stop is not weakened by a later gentle one.
+  /// Bus-in thread (any thread, in fact). `order`: receipt number; an immediate Stop is not weakened by a
+  /// later gentle one.
   void set(StopMode mode, std::uint64_t order) noexcept {
     std::uint64_t old = word_.load(std::memory_order_relaxed);
     std::uint64_t wanted;
@@ -82,7 +86,12 @@ class StopLatch {
       wanted = (std::max(old >> 2U, order) << 2U) | strongest;
     } while (!word_.compare_exchange_weak(old, wanted, std::memory_order_release, std::memory_order_relaxed));
   }
-  struct Taken { StopMode mode; std::uint64_t order; };
+  /// Scan thread. Whether a Stop waits to be taken.
+  bool pending() const noexcept { return word_.load(std::memory_order_acquire) != 0; }
+  struct Taken {
+    StopMode mode;
+    std::uint64_t order;
+  };
   /// Scan thread; wait-free.
   Taken take() noexcept {
     if (word_.load(std::memory_order_relaxed) == 0) return {StopMode::none, 0};
@@ -99,11 +108,12 @@ struct StationPort {
   StationPort(std::size_t requests_capacity, std::size_t events_capacity)
       : requests(requests_capacity), replies(requests_capacity), events(events_capacity) {}
   StopLatch stop;
-  Ring<Request> requests;        ///< bus-in -> scan. Full: the bus answers "busy" or counts
-  Ring<Reply> replies;           ///< scan -> bus-out
-  Ring<Event> events;            ///< scan -> event writer. Full: a gap in SEQ and an event of its own
-  Latest<StatusRecord> status;   ///< scan -> bus-out
-  std::atomic<bool> permit{false};  ///< scan grants at Start; watchdog revokes; I/O threads check at every send
+  Ring<Request> requests;       ///< bus-in -> scan. Full: the bus answers "busy" or counts
+  Ring<Reply> replies;          ///< scan -> bus-out
+  Ring<Event> events;           ///< scan -> event writer. Full: a gap in SEQ and an event of its own
+  Latest<StatusRecord> status;  ///< scan -> bus-out
+  std::atomic<bool> permit{
+      false};  ///< scan grants at Start; watchdog revokes; I/O threads check at every send
   std::atomic<std::uint64_t> progress{0};  ///< scans finished; the watchdog reads
 };
 

@@ -23,6 +23,11 @@ enum class StopCause : std::uint8_t {
 
 std::string_view name_of(StationState state) noexcept;
 
+/// Whether the program drives the outputs in that state; else they are safe.
+constexpr bool driven(StationState state) noexcept {
+  return state == StationState::RUNNING || state == StationState::STOPPING;
+}
+
 enum class Severity : std::uint8_t { info = 0, warning = 1, fault = 2 };
 std::string_view name_of(Severity severity) noexcept;
 
@@ -31,11 +36,11 @@ struct Event {
   std::uint32_t seq = 0;   ///< counts up by one per station and epoch, also over events that a full ring lost
   std::uint32_t code = 0;  ///< see codes.hpp
   Severity severity = Severity::info;
-  bool active = false;     ///< faults and warnings: rising (true) or falling edge
-  bool edge = true;        ///< false: announced as still active after a restart
+  bool active = false;  ///< faults and warnings: rising (true) or falling edge
+  bool edge = true;     ///< false: announced as still active after a restart
   std::uint64_t scan = 0;
   std::int64_t utc_ns = 0;
-  std::int64_t detail = 0; ///< meaning by code; 0: none
+  std::int64_t detail = 0;  ///< meaning by code; 0: none
 };
 
 /// What an order asks of the station, between two scans.
@@ -54,7 +59,7 @@ struct Request {
   std::uint64_t order = 0;  ///< receipt number, shared with Stop: a Start older than the last Stop is void
   Verb verb = Verb::start;
   std::uint8_t assignment_count = 0;
-  TagIndex tag = 0;         ///< Verb::get
+  TagIndex tag = 0;  ///< Verb::get
   std::array<Assignment, kMaxAssignments> assignments{};
 };
 
@@ -63,8 +68,8 @@ enum class Outcome : std::uint8_t { done, refused };
 struct Reply {
   std::uint64_t token = 0;
   Outcome outcome = Outcome::done;
-  std::uint32_t code = 0;   ///< why refused; see codes.hpp
-  Slot value = 0;           ///< Verb::get (first slot)
+  std::uint32_t code = 0;  ///< why refused; see codes.hpp
+  Slot value = 0;          ///< Verb::get (first slot)
   Quality quality = Quality::BAD;
   StationState state = StationState::STOPPED;
 };
@@ -73,12 +78,12 @@ struct Reply {
 struct StatusRecord {
   StationState state = StationState::STOPPED;
   StopCause cause = StopCause::never_started;
-  bool ready = false;          ///< RUNNING and willing to take a pallet
+  bool ready = false;  ///< RUNNING and willing to take a pallet
   std::uint32_t epoch = 0;
-  std::uint32_t fault = 0;     ///< active fault's code; 0: none
-  std::uint32_t warning = 0;   ///< an active warning's code; 0: none
-  std::uint32_t step = 0;      ///< of the program's sequence
-  std::uint32_t piece = 0;     ///< code of the piece in work; 0: none
+  std::uint32_t fault = 0;    ///< active fault's code; 0: none
+  std::uint32_t warning = 0;  ///< an active warning's code; 0: none
+  std::uint32_t step = 0;     ///< of the program's sequence
+  std::uint32_t piece = 0;    ///< code of the piece in work; 0: none
   std::uint64_t scan = 0;
   std::uint64_t deadline_misses = 0;  ///< of the station's task
   std::int64_t time_ns = 0;

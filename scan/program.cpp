@@ -11,8 +11,8 @@ std::int64_t Recipe::value(std::string_view wanted, std::int64_t min, std::int64
   for (const auto& [key, number] : values) {
     if (key != wanted) continue;
     if (number < min || number > max)
-      throw SetupError(where + key + " is " + std::to_string(number) + ", allowed are " + std::to_string(min) +
-                       " to " + std::to_string(max));
+      throw SetupError(where + key + " is " + std::to_string(number) + ", allowed are " +
+                       std::to_string(min) + " to " + std::to_string(max));
     return number;
   }
   throw SetupError(where + std::string(wanted) + " is missing");

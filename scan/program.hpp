@@ -1,6 +1,7 @@
 // Program: a station's logic, and the typed handles by which it sees its tags.
 // Owned by the station; written by users (copy one of programs/*.cpp).
-// Constructed in set-up (may allocate and throw); execute() and idle() run in the scan thread and may do neither.
+// Constructed in set-up (may allocate and throw); execute() and idle() run in the scan thread and may do
+// neither.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,8 @@ struct Recipe {
   std::uint32_t code = 0;
   std::string name;
   std::vector<std::pair<std::string, std::int64_t>> values;
-  /// The value of that name; throws SetupError naming recipe and value when it is missing or out of [min, max].
+  /// The value of that name; throws SetupError naming recipe and value when it is missing or out of [min,
+  /// max].
   std::int64_t value(std::string_view name, std::int64_t min, std::int64_t max) const;
 };
 
@@ -47,7 +49,10 @@ class Handle {
   Quality quality() const noexcept { return *quality_; }
   bool good() const noexcept { return *quality_ >= Quality::GOOD; }
   /// Set-up, by the station.
-  void bind(Slot* slot, Quality* quality) noexcept { slot_ = slot; quality_ = quality; }
+  void bind(Slot* slot, Quality* quality) noexcept {
+    slot_ = slot;
+    quality_ = quality;
+  }
 
  protected:
   Slot* slot_ = nullptr;
@@ -84,10 +89,18 @@ template <class T> class Out : public Handle {
   T get() const noexcept { return from_slot<T>(*slot_); }
   operator T() const noexcept { return get(); }
   void set(T value) noexcept { *slot_ = to_slot(value); }
-  Out& operator=(T value) noexcept { set(value); return *this; }
+  Out& operator=(T value) noexcept {
+    set(value);
+    return *this;
+  }
+  /// The other's value; a handle itself stays what it is.
+  Out& operator=(const Out& other) noexcept { return *this = other.get(); }
 
  private:
-  static TagSpec with_hold(TagSpec spec, bool hold) { spec.hold = hold; return spec; }
+  static TagSpec with_hold(TagSpec spec, bool hold) {
+    spec.hold = hold;
+    return spec;
+  }
 };
 
 /// An internal or retained tag of the program's own.
@@ -98,7 +111,12 @@ template <class T, Area area> class Own : public Handle {
   T get() const noexcept { return from_slot<T>(*slot_); }
   operator T() const noexcept { return get(); }
   void set(T value) noexcept { *slot_ = to_slot(value); }
-  Own& operator=(T value) noexcept { set(value); return *this; }
+  Own& operator=(T value) noexcept {
+    set(value);
+    return *this;
+  }
+  /// The other's value; a handle itself stays what it is.
+  Own& operator=(const Own& other) noexcept { return *this = other.get(); }
 };
 template <class T> using Var = Own<T, Area::internal>;
 /// Retained: kept over a restart of the daemon. See Cycle::save_retained().
@@ -108,8 +126,8 @@ template <class T> using Retained = Own<T, Area::retained>;
 template <class T> class Param : public Handle {
  public:
   Param(Program& owner, std::string name, std::string description, T initial, T min, T max)
-      : Handle(owner, limited(tag_spec<T>(std::move(name), Area::internal, std::move(description), initial), min,
-                              max)) {}
+      : Handle(owner, limited(tag_spec<T>(std::move(name), Area::internal, std::move(description), initial),
+                              min, max)) {}
   T get() const noexcept { return from_slot<T>(*slot_); }
   operator T() const noexcept { return get(); }
 
@@ -148,18 +166,25 @@ class Program {
   Program& operator=(const Program&) = delete;
   virtual ~Program() = default;
 
-  /// One scan in RUNNING or STOPPING. Must not allocate, block, log or ask for the time: Cycle has all it needs.
+  /// One scan in RUNNING or STOPPING. Must not allocate, block, log or ask for the time: Cycle has all it
+  /// needs.
   virtual void execute(Cycle& cycle) noexcept = 0;
 
   /// One scan in STOPPED or FAULT: watch inputs and announcements; outputs set here have no effect.
   virtual void idle(Cycle& cycle) noexcept { static_cast<void>(cycle); }
 
-  /// Whether the cause of the active fault is gone, asked when `reset` is ordered. 0: reset may be accepted; else the
-  /// code of what still stands in the way.
-  virtual std::uint32_t reset_obstacle(const Cycle& cycle) noexcept { static_cast<void>(cycle); return 0; }
+  /// Whether the cause of the active fault is gone, asked when `reset` is ordered. 0: reset may be accepted;
+  /// else the code of what still stands in the way.
+  virtual std::uint32_t reset_obstacle(const Cycle& cycle) noexcept {
+    static_cast<void>(cycle);
+    return 0;
+  }
 
   /// The name of a step for people; empty if there is none.
-  virtual std::string_view step_name(std::uint32_t step) const noexcept { static_cast<void>(step); return {}; }
+  virtual std::string_view step_name(std::uint32_t step) const noexcept {
+    static_cast<void>(step);
+    return {};
+  }
 
   // Set-up, by the station.
   const std::vector<Handle*>& handles() const noexcept { return handles_; }

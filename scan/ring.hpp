@@ -25,16 +25,21 @@ template <class T> class Ring {
   /// Producer thread. False when full: the record is not taken and dropped() counts it.
   bool push(const T& item) noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
-    if (tail - head_cache_ > mask_) {
-      head_cache_ = head_.load(std::memory_order_acquire);
-      if (tail - head_cache_ > mask_) {
-        dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-        return false;
-      }
+    if (full()) {
+      dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+      return false;
     }
     items_[tail & mask_] = item;
     tail_.store(tail + 1, std::memory_order_release);
     return true;
+  }
+
+  /// Producer thread. Whether a push() now would be refused.
+  bool full() noexcept {
+    const std::size_t tail = tail_.load(std::memory_order_relaxed);
+    if (tail - head_cache_ <= mask_) return false;
+    head_cache_ = head_.load(std::memory_order_acquire);
+    return tail - head_cache_ > mask_;
   }
 
   /// Consumer thread. False when empty.

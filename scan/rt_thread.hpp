@@ -29,14 +29,24 @@ struct RtOptions {
   int priority = 0;          ///< SCHED_FIFO 1..95; 0: normal scheduling
   int cpu = -1;              ///< pinned to; -1: not
   std::int64_t spin_ns = 0;  ///< wake that much early and busy-wait to the due time
-  int wake_fd = -1;          ///< eventfd written after each cycle's commit; -1: none
+  int wake_fd = -1;          ///< non-blocking eventfd for the task's Waker; -1: none
+};
+
+/// One write to a non-blocking eventfd.
+class EventfdWaker final : public Waker {
+ public:
+  explicit EventfdWaker(int descriptor) noexcept : descriptor_(descriptor) {}
+  void wake() noexcept override;
+
+ private:
+  int descriptor_;
 };
 
 /// What was asked of the kernel and what it said, for log and Status.
 struct RtGrant {
-  std::string what;     ///< "SCHED_FIFO 80", "memory lock", "CPU 1", ...
+  std::string what;  ///< "SCHED_FIFO 80", "memory lock", "CPU 1", ...
   bool granted = false;
-  std::string reason;   ///< why refused, and what to do about it
+  std::string reason;  ///< why refused, and what to do about it
 };
 
 /// Locks all present and future memory. From set-up, before threads start.
@@ -44,16 +54,19 @@ RtGrant lock_memory();
 
 class RtThread {
  public:
-  /// `utc_offset_ns`: kept up to date by somebody else; read once a cycle.
+  /// Becomes the task's waker where there is a wake_fd. `utc_offset_ns`: kept up to date by somebody else;
+  /// read once a cycle.
   RtThread(Task& task, RtOptions options, const std::atomic<std::int64_t>& utc_offset_ns);
   ~RtThread();
   RtThread(const RtThread&) = delete;
   RtThread& operator=(const RtThread&) = delete;
 
-  /// Starts the thread and asks for its rights; the first due time is the next multiple of the period. Throws SetupError when no thread
-  /// can be had at all; refused rights are in the result.
+  /// Starts the thread and asks for its rights; the first due time is the next multiple of the period, plus
+  /// the phase.
+  /// Throws SetupError when no thread can be had at all; refused rights are in the result.
   std::vector<RtGrant> start();
-  /// Ends after the running cycle, at once if it waits. Joins. False: it did not end within `limit_ns` and was left alone.
+  /// Ends after the running cycle, at once if it waits. Joins. False: it did not end within `limit_ns` and
+  /// was left alone.
   bool stop(std::int64_t limit_ns) noexcept;
   bool running() const noexcept { return started_; }
 
@@ -64,6 +77,7 @@ class RtThread {
 
   Task& task_;
   RtOptions options_;
+  EventfdWaker waker_;
   const std::atomic<std::int64_t>& utc_offset_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};

@@ -24,7 +24,8 @@ class Schedule {
     return first_ns_ + static_cast<std::int64_t>(k) * period_ns_;
   }
 
-  /// The cycle to run after cycle k, when the thread is done with it at now_ns: the next on the grid that is not past yet.
+  /// The cycle to run after cycle k, when the thread is done with it at now_ns: the next on the grid that is
+  /// not past yet.
   constexpr std::uint64_t next(std::uint64_t k, std::int64_t now_ns) const noexcept {
     const std::int64_t late_ns = now_ns - due_ns(k + 1);
     if (late_ns <= 0) return k + 1;

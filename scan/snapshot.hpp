@@ -52,9 +52,9 @@ class Snapshot {
   std::size_t stride_;
   std::unique_ptr<std::byte[]> storage_;
   std::byte* base_;
-  alignas(kAlign) std::uint32_t back_ = 0;                  // writer's
-  alignas(kAlign) std::atomic<std::uint32_t> middle_{1};    // shared
-  alignas(kAlign) std::uint32_t front_ = 2;                 // reader's
+  alignas(kAlign) std::uint32_t back_ = 0;                // writer's
+  alignas(kAlign) std::atomic<std::uint32_t> middle_{1};  // shared
+  alignas(kAlign) std::uint32_t front_ = 2;               // reader's
 };
 
 /// A snapshot of one trivially copyable record.

@@ -14,20 +14,26 @@ constexpr std::int64_t kBusBadNs = 5'000'000'000;
 }  // namespace
 
 Station::Station(StationOptions options, std::unique_ptr<Program> program)
-    : options_(std::move(options)),
-      program_(std::move(program)),
+    : options_(std::move(options)), program_(std::move(program)),
       port_(options_.request_capacity, options_.event_capacity) {
   for (Handle* handle : program_->handles()) image_.add(handle->spec());
-  running_tag_ = image_.add(tag_spec<bool>("station.running", Area::retained, "Whether the station was running"));
+  running_tag_ =
+      image_.add(tag_spec<bool>("station.running", Area::retained, "Whether the station was running"));
   for (const PvSubscription& s : program_->subscriptions()) {
-    auto link = std::make_unique<InputLink>(s.topic + "/" + s.station, link_tags(s.members), kBusStaleNs, kBusBadNs);
+    for (const PvMember& m : s.members)
+      if (m.handle->spec().area != Area::input)
+        throw SetupError("tag " + options_.name + "." + m.handle->spec().name + " takes topic " + s.topic +
+                         " and is no input");
+    auto link =
+        std::make_unique<InputLink>(s.topic + "/" + s.station, link_tags(s.members), kBusStaleNs, kBusBadNs);
     for (const PvMember& m : s.members) link->members.push_back(m.name);
     bus_inputs_.push_back(std::move(link));
   }
   for (const PvPublication& p : program_->publications()) {
     std::vector<std::string> names;
     for (const PvMember& m : p.members) names.push_back(m.name);
-    pvs_.push_back(std::make_unique<PvLink>(p.topic, link_tags(p.members), std::move(names), options_.pv_heartbeat_ns));
+    pvs_.push_back(
+        std::make_unique<PvLink>(p.topic, link_tags(p.members), std::move(names), options_.pv_heartbeat_ns));
   }
 }
 
@@ -36,7 +42,9 @@ Station::~Station() = default;
 LinkTags Station::link_tags(const std::vector<PvMember>& members) const {
   LinkTags result;
   for (const PvMember& m : members) {
-    result.tags.push_back(*image_.find(m.handle->spec().name));
+    const auto tag = image_.find(m.handle->spec().name);
+    if (!tag) throw SetupError("station " + options_.name + " has no tag \"" + m.handle->spec().name + "\"");
+    result.tags.push_back(*tag);
     result.layout.slots += image_.slot_count(result.tags.back());
   }
   result.layout.tags = static_cast<std::uint32_t>(result.tags.size());
@@ -60,17 +68,24 @@ LinkTags Station::link_tags(const std::vector<std::string>& names, Area area) co
 
 InputLink& Station::add_device_inputs(const std::string& device, const std::vector<std::string>& tags,
                                       std::int64_t stale_after_ns, std::int64_t bad_after_ns) {
+  require_unsealed();
   device_inputs_.push_back(
       std::make_unique<InputLink>(device, link_tags(tags, Area::input), stale_after_ns, bad_after_ns));
   return *device_inputs_.back();
 }
 
 OutputLink& Station::add_device_outputs(const std::string& device, const std::vector<std::string>& tags) {
+  require_unsealed();
   device_outputs_.push_back(std::make_unique<OutputLink>(device, link_tags(tags, Area::output)));
   return *device_outputs_.back();
 }
 
+void Station::require_unsealed() const {
+  if (sealed_) throw SetupError("station " + options_.name + " is sealed");
+}
+
 void Station::set_bus_limits(std::int64_t stale_after_ns, std::int64_t bad_after_ns) {
+  require_unsealed();
   for (auto& link : bus_inputs_) {
     auto changed = std::make_unique<InputLink>(link->source, link->tags, stale_after_ns, bad_after_ns);
     changed->members = link->members;
@@ -87,13 +102,13 @@ void Station::bind() {
 }
 
 void Station::seal() {
-  if (sealed_) throw SetupError("station " + options_.name + " is sealed twice");
+  require_unsealed();
   sealed_ = true;
   image_.seal();
   bind();
   LinkTags retained;
   for (TagIndex tag = 0; tag < image_.size(); ++tag) {
-    if (image_.spec(tag).area == Area::output) outputs_.push_back(tag);
+    if (image_.spec(tag).area == Area::output) set_up_output(tag);
     if (image_.spec(tag).area != Area::retained) continue;
     retained.tags.push_back(tag);
     retained.layout.slots += image_.slot_count(tag);
@@ -105,10 +120,21 @@ void Station::seal() {
   pv_sent_ns_.assign(pvs_.size(), 0);
   pv_count_.assign(pvs_.size(), 0);
   output_count_.assign(device_outputs_.size(), 0);
-  for (const TagIndex tag : outputs_) *image_.value(tag) = image_.spec(tag).safe;
+}
+
+void Station::set_up_output(TagIndex tag) {
+  const TagSpec& spec = image_.spec(tag);
+  *image_.value(tag) = spec.safe;
+  if (!spec.hold) {
+    safe_outputs_.push_back({tag, spec.safe});
+    return;
+  }
+  held_outputs_.push_back(tag);
+  held_.resize(held_.size() + image_.slot_count(tag));
 }
 
 void Station::restore(std::span<const Slot> slots) {
+  if (!sealed_) throw SetupError("station " + options_.name + " is restored before it is sealed");
   if (slots.size() != retain_->tags.layout.slots)
     throw SetupError("station " + options_.name + ": retained record has " + std::to_string(slots.size()) +
                      " slots, " + std::to_string(retain_->tags.layout.slots) + " expected");
@@ -119,7 +145,8 @@ void Station::restore(std::span<const Slot> slots) {
   restart_ = Restart::warm;
   const bool was_running = *image_.value(running_tag_) != 0;
   *image_.value(running_tag_) = 0;
-  if (was_running && options_.on_restart == OnRestart::resume) enter(StationState::RUNNING, StopCause::never_started);
+  if (was_running && options_.on_restart == OnRestart::resume)
+    enter(StationState::RUNNING, StopCause::never_started);
 }
 
 }  // namespace stationd

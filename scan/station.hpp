@@ -1,4 +1,5 @@
-// Station: a program with its process image, state machine and links; what one scan does to it, phase by phase.
+// Station: a program with its process image, state machine and links; what one scan does to it, phase by
+// phase.
 // Owned by the composer (daemon or a test); driven by its task.
 // Set-up by one thread; then the scan thread alone, except port() and the links' other ends.
 #pragma once
@@ -22,7 +23,7 @@ enum class OnRestart : std::uint8_t { stopped, resume };
 struct StationOptions {
   std::string name;
   OnRestart on_restart = OnRestart::stopped;
-  std::uint32_t epoch = 1;               ///< one more at each start of the daemon
+  std::uint32_t epoch = 1;                     ///< one more at each start of the daemon
   std::int64_t pv_heartbeat_ns = 100'000'000;  ///< the program's PVs are repeated at least so often
   std::size_t request_capacity = 64;
   std::size_t event_capacity = 256;
@@ -36,7 +37,7 @@ class Station {
   Station(const Station&) = delete;
   Station& operator=(const Station&) = delete;
 
-  // -- Set-up, in this order: image() changes, add_..., seal(), restore() ------------------------------------------
+  // -- Set-up, in this order: image() changes, add_..., seal(), restore() -----------------------------------
   Image& image() noexcept { return image_; }
   const Image& image() const noexcept { return image_; }
   /// Tags read from (written to) one device. Throws SetupError for an unknown tag or one of the wrong area.
@@ -48,11 +49,12 @@ class Station {
   void seal();
   /// After seal(), before the first scan: one more than the last start's, from the retained record.
   void set_epoch(std::uint32_t epoch) noexcept { options_.epoch = epoch; }
-  /// After seal(): the retained tags as they were saved, in the order of retain().tags. Makes the restart warm; with
-  /// OnRestart::resume a station that was running goes on. Throws SetupError when the number of slots is another.
+  /// After seal(): the retained tags as they were saved, in the order of retain().tags. Makes the restart
+  /// warm; with OnRestart::resume a station that was running goes on. Throws SetupError when the number of
+  /// slots is another.
   void restore(std::span<const Slot> slots);
 
-  // -- What other threads hold ---------------------------------------------------------------------------------------
+  // -- What other threads hold ------------------------------------------------------------------------------
   const std::string& name() const noexcept { return options_.name; }
   std::uint32_t epoch() const noexcept { return options_.epoch; }
   Program& program() noexcept { return *program_; }
@@ -63,13 +65,16 @@ class Station {
   std::vector<std::unique_ptr<PvLink>>& pvs() noexcept { return pvs_; }
   RetainLink& retain() noexcept { return *retain_; }
 
-  // -- The phases of a scan; the scan thread -------------------------------------------------------------------------
-  void take_orders() noexcept;
-  void latch(std::int64_t now_ns) noexcept;
-  void execute(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept;
-  void commit(std::int64_t now_ns) noexcept;
-  void publish(std::int64_t now_ns, std::uint64_t deadline_misses) noexcept;
-  /// Services the oldest request, if there is one; false if there was none.
+  // -- The phases of a scan; the scan thread ----------------------------------------------------------------
+  /// Stamps the scan (numbered from 1) and takes a Stop; all later phases and their events belong to it.
+  void begin(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept;
+  void latch() noexcept;
+  void execute() noexcept;
+  void commit() noexcept;
+  void publish(std::uint64_t deadline_misses) noexcept;
+  /// Services the oldest request. False: there is none, or it has to wait: a Start while a Stop is latched
+  /// (which is carried out first, with a commit of safe values in between), any that wants a reply while the
+  /// replies are full.
   bool service_one() noexcept;
   /// Latches a fault from outside the program (overrun policy, watchdog).
   void fault(std::uint32_t code, std::int64_t detail) noexcept;
@@ -79,17 +84,26 @@ class Station {
 
  private:
   friend class Cycle;
-  struct Warning { std::uint32_t code = 0; std::int64_t detail = 0; };
+  struct Warning {
+    std::uint32_t code = 0;
+    std::int64_t detail = 0;
+  };
   static constexpr std::size_t kMaxWarnings = 16;
 
   LinkTags link_tags(const std::vector<std::string>& names, Area area) const;
   LinkTags link_tags(const std::vector<PvMember>& members) const;
+  void require_unsealed() const;
   void bind();
-  void latch_link(InputLink& link, std::int64_t now_ns, std::uint32_t lost_code, std::size_t index) noexcept;
+  void set_up_output(TagIndex tag);
+  void take_stop() noexcept;
+  void latch_link(InputLink& link, std::uint32_t lost_code, std::size_t index) noexcept;
+  void run_idle(Cycle& cycle) noexcept;
   void apply_safe_outputs() noexcept;
-  void publish_pv(PvLink& link, std::size_t index, std::int64_t now_ns) noexcept;
+  void publish_pv(PvLink& link, std::size_t index) noexcept;
   void publish_retained() noexcept;
   void raise(std::uint32_t code, bool active, std::int64_t detail) noexcept;
+  void push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept;
+  void report_lost_events() noexcept;
   void enter(StationState state, StopCause cause) noexcept;
   Reply carry_out(const Request& request) noexcept;
   Reply start(const Request& request, Reply reply) noexcept;
@@ -109,27 +123,34 @@ class Station {
   std::vector<std::uint64_t> output_count_;
   std::unique_ptr<RetainLink> retain_;
   std::vector<Slot> retained_sent_;
-  std::vector<TagIndex> outputs_;
+  struct SafeOutput {
+    TagIndex tag = 0;
+    Slot value = 0;
+  };
+  std::vector<SafeOutput> safe_outputs_;  // without hold
+  std::vector<TagIndex> held_outputs_;
+  std::vector<Slot> held_;    // their slots while idle() runs
   TagIndex running_tag_ = 0;  // retained: whether the station was running, for OnRestart::resume
 
   StationState state_ = StationState::STOPPED;
   StopCause cause_ = StopCause::never_started;
   Restart restart_ = Restart::cold;
-  bool started_ = false;          // the next execute() is the first after Start
-  bool finished_ = false;         // the program reached the end of its piece while STOPPING
+  bool started_ = false;   // the next execute() is the first after Start
+  bool finished_ = false;  // the program reached the end of its piece while STOPPING
   bool sealed_ = false;
   std::uint32_t fault_ = 0;
   std::uint32_t pending_fault_ = 0;
   std::int64_t pending_detail_ = 0;
   std::array<Warning, kMaxWarnings> warnings_{};
   std::uint32_t event_seq_ = 0;
-  std::uint64_t events_dropped_ = 0;
+  std::uint64_t events_reported_lost_ = 0;
   std::uint64_t last_stop_order_ = 0;
   std::uint64_t scan_ = 0;
   std::int64_t now_ns_ = 0;
   std::int64_t utc_ns_ = 0;
   std::uint64_t retain_urgent_ = 0;
   std::uint64_t retain_scan_ = 0;
+  std::uint64_t retain_count_ = 0;
   std::uint32_t step_ = 0, piece_ = 0;
   bool ready_ = false;
 };

@@ -1,4 +1,5 @@
-// The phases of a station's scan: latch, execute, commit, publish. Scan thread; nothing here allocates or blocks.
+// The phases of a station's scan: latch, execute, commit, publish. Scan thread; nothing here allocates or
+// blocks.
 #include <algorithm>
 #include <cstring>
 
@@ -30,15 +31,38 @@ void gather(const Image& image, const LinkTags& tags, BlockView block) noexcept 
 
 }  // namespace
 
-void Station::latch_link(InputLink& link, std::int64_t now_ns, std::uint32_t lost_code, std::size_t index) noexcept {
+void Station::begin(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept {
+  now_ns_ = now_ns;
+  utc_ns_ = now_ns + utc_offset_ns;
+  scan_ = scan;
+  take_stop();
+}
+
+void Station::take_stop() noexcept {
+  const StopLatch::Taken stop = port_.stop.take();
+  if (stop.mode == StopMode::none) return;
+  last_stop_order_ = std::max(last_stop_order_, stop.order);
+  if (!driven(state_)) {
+    if (state_ == StationState::STOPPED) cause_ = StopCause::ordered;
+    return;
+  }
+  if (stop.mode == StopMode::immediate)
+    enter(StationState::STOPPED, StopCause::ordered);
+  else
+    enter(StationState::STOPPING, StopCause::ordered);
+}
+
+void Station::latch_link(InputLink& link, std::uint32_t lost_code, std::size_t index) noexcept {
   const bool fresh = link.blocks.update();
   const ConstBlockView block{link.blocks.readable(), link.tags.layout};
-  const Quality source = judge(block.header(), link, now_ns);
+  // What a source sends along with BAD is no value: the last one stays, and its quality tells.
+  const bool take = fresh && block.header().quality != Quality::BAD;
+  const Quality source = judge(block.header(), link, now_ns_);
   const Slot* in = block.slots().data();
   const Quality* quality = block.qualities().data();
   for (const TagIndex tag : link.tags.tags) {
     const std::uint32_t n = image_.slot_count(tag);
-    if (fresh) std::copy(in, in + n, image_.value(tag));
+    if (take) std::copy(in, in + n, image_.value(tag));
     in += n;
     *image_.quality(tag) = std::min(source, *quality++);
   }
@@ -49,34 +73,34 @@ void Station::latch_link(InputLink& link, std::int64_t now_ns, std::uint32_t los
   raise(lost_code, lost, static_cast<std::int64_t>(index));
 }
 
-void Station::latch(std::int64_t now_ns) noexcept {
-  for (std::size_t i = 0; i < device_inputs_.size(); ++i) latch_link(*device_inputs_[i], now_ns, code::device_lost, i);
-  for (std::size_t i = 0; i < bus_inputs_.size(); ++i) latch_link(*bus_inputs_[i], now_ns, code::remote_lost, i);
+void Station::latch() noexcept {
+  for (std::size_t i = 0; i < device_inputs_.size(); ++i)
+    latch_link(*device_inputs_[i], code::device_lost, i);
+  for (std::size_t i = 0; i < bus_inputs_.size(); ++i) latch_link(*bus_inputs_[i], code::remote_lost, i);
 }
 
-void Station::take_orders() noexcept {
-  const StopLatch::Taken stop = port_.stop.take();
-  if (stop.mode == StopMode::none) return;
-  last_stop_order_ = std::max(last_stop_order_, stop.order);
-  if (state_ != StationState::RUNNING && state_ != StationState::STOPPING) {
-    if (state_ == StationState::STOPPED) cause_ = StopCause::ordered;
-    return;
+/// What idle() does to the outputs is undone: those without hold by the commit, those with it here.
+void Station::run_idle(Cycle& cycle) noexcept {
+  Slot* kept = held_.data();
+  for (const TagIndex tag : held_outputs_)
+    kept = std::copy_n(image_.value(tag), image_.slot_count(tag), kept);
+  program_->idle(cycle);
+  const Slot* back = held_.data();
+  for (const TagIndex tag : held_outputs_) {
+    const std::uint32_t n = image_.slot_count(tag);
+    std::copy_n(back, n, image_.value(tag));
+    back += n;
   }
-  if (stop.mode == StopMode::immediate) enter(StationState::STOPPED, StopCause::ordered);
-  else enter(StationState::STOPPING, StopCause::ordered);
 }
 
-void Station::execute(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept {
-  now_ns_ = now_ns;
-  utc_ns_ = now_ns + utc_offset_ns;
-  scan_ = scan;
-  Cycle cycle(*this, now_ns);
-  if (state_ == StationState::RUNNING || state_ == StationState::STOPPING) {
+void Station::execute() noexcept {
+  Cycle cycle(*this, now_ns_);
+  if (driven(state_)) {
     program_->execute(cycle);
     started_ = false;
     if (finished_ && state_ == StationState::STOPPING) enter(StationState::STOPPED, StopCause::ordered);
   } else {
-    program_->idle(cycle);
+    run_idle(cycle);
     ready_ = false;
   }
   if (pending_fault_ != 0) {
@@ -87,34 +111,31 @@ void Station::execute(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_
 }
 
 void Station::apply_safe_outputs() noexcept {
-  if (state_ == StationState::RUNNING || state_ == StationState::STOPPING) return;
-  for (const TagIndex tag : outputs_) {
-    const TagSpec& spec = image_.spec(tag);
-    if (!spec.hold) *image_.value(tag) = spec.safe;
-  }
+  if (driven(state_)) return;
+  for (const SafeOutput& output : safe_outputs_) *image_.value(output.tag) = output.value;
 }
 
-void Station::commit(std::int64_t now_ns) noexcept {
+void Station::commit() noexcept {
   apply_safe_outputs();
   for (std::size_t i = 0; i < device_outputs_.size(); ++i) {
     OutputLink& link = *device_outputs_[i];
     const BlockView block{link.blocks.writable(), link.tags.layout};
     gather(image_, link.tags, block);
-    block.header() = {now_ns, utc_ns_, scan_, ++output_count_[i], Quality::GOOD};
+    block.header() = {now_ns_, utc_ns_, scan_, ++output_count_[i], Quality::GOOD};
     link.blocks.publish();
   }
 }
 
-void Station::publish_pv(PvLink& link, std::size_t index, std::int64_t now_ns) noexcept {
+void Station::publish_pv(PvLink& link, std::size_t index) noexcept {
   const BlockView block{link.blocks.writable(), link.tags.layout};
   gather(image_, link.tags, block);
   std::vector<Slot>& sent = pv_sent_[index];
   const bool changed = !std::equal(sent.begin(), sent.end(), block.slots().begin());
-  if (!changed && pv_count_[index] != 0 && now_ns - pv_sent_ns_[index] < link.heartbeat_ns) return;
+  if (!changed && pv_count_[index] != 0 && now_ns_ - pv_sent_ns_[index] < link.heartbeat_ns) return;
   std::copy(block.slots().begin(), block.slots().end(), sent.begin());
-  pv_sent_ns_[index] = now_ns;
-  block.header() = {now_ns, utc_ns_, scan_, ++pv_count_[index], Quality::GOOD};
-  if (link.blocks.publish() && changed) link.overtaken.fetch_add(1, std::memory_order_relaxed);
+  pv_sent_ns_[index] = now_ns_;
+  block.header() = {now_ns_, utc_ns_, scan_, ++pv_count_[index], Quality::GOOD};
+  if (link.blocks.publish()) link.overtaken.fetch_add(1, std::memory_order_relaxed);
 }
 
 void Station::publish_retained() noexcept {
@@ -124,20 +145,15 @@ void Station::publish_retained() noexcept {
   if (!changed && retain_urgent_ <= retain_scan_) return;
   std::copy(block.slots().begin(), block.slots().end(), retained_sent_.begin());
   retain_scan_ = scan_;
-  block.header() = {now_ns_, utc_ns_, scan_, scan_ + 1, Quality::GOOD};
+  block.header() = {now_ns_, utc_ns_, scan_, ++retain_count_, Quality::GOOD};
   retain_->blocks.publish();
   if (retain_urgent_ == scan_) retain_->urgent_scan.store(scan_, std::memory_order_release);
 }
 
-void Station::publish(std::int64_t now_ns, std::uint64_t deadline_misses) noexcept {
-  for (std::size_t i = 0; i < pvs_.size(); ++i) publish_pv(*pvs_[i], i, now_ns);
+void Station::publish(std::uint64_t deadline_misses) noexcept {
+  for (std::size_t i = 0; i < pvs_.size(); ++i) publish_pv(*pvs_[i], i);
   publish_retained();
-  const std::uint64_t dropped = port_.events.dropped();
-  if (dropped != events_dropped_) {
-    events_dropped_ = dropped;
-    raise(code::events_lost, true, static_cast<std::int64_t>(dropped));
-    events_dropped_ = port_.events.dropped();
-  }
+  report_lost_events();
   StatusRecord status;
   status.state = state_;
   status.cause = cause_;
@@ -150,10 +166,10 @@ void Station::publish(std::int64_t now_ns, std::uint64_t deadline_misses) noexce
   status.piece = piece_;
   status.scan = scan_;
   status.deadline_misses = deadline_misses;
-  status.time_ns = now_ns;
+  status.time_ns = now_ns_;
   status.utc_ns = utc_ns_;
   port_.status.publish(status);
-  port_.progress.store(scan_ + 1, std::memory_order_release);
+  port_.progress.store(scan_, std::memory_order_release);
 }
 
 }  // namespace stationd

@@ -7,12 +7,16 @@
 namespace stationd {
 
 void Station::enter(StationState state, StopCause cause) noexcept {
-  if (state == StationState::RUNNING && state_ != StationState::RUNNING) started_ = true;
-  const bool driven = state == StationState::RUNNING || state == StationState::STOPPING;
-  if (!driven) port_.permit.store(false, std::memory_order_release);
-  else if (state_ == StationState::STOPPED) port_.permit.store(true, std::memory_order_release);
-  *image_.value(running_tag_) = driven ? 1 : 0;
-  if (state == StationState::STOPPED || state == StationState::FAULT) {
+  const bool was_driven = driven(state_);
+  const bool is_driven = driven(state);
+  if (is_driven && !was_driven) started_ = true;
+  if (!is_driven) started_ = false;
+  if (!is_driven)
+    port_.permit.store(false, std::memory_order_release);
+  else if (!was_driven)
+    port_.permit.store(true, std::memory_order_release);
+  *image_.value(running_tag_) = is_driven ? 1 : 0;
+  if (was_driven && !is_driven) {  // execute() no longer vouches for its warnings; idle() may raise its own
     for (const Warning& w : warnings_)
       if (w.code != 0) set_warning(w.code, false, w.detail);
     ready_ = false;
@@ -30,6 +34,19 @@ void Station::fault(std::uint32_t code, std::int64_t detail) noexcept {
 }
 
 void Station::raise(std::uint32_t code, bool active, std::int64_t detail) noexcept {
+  report_lost_events();
+  push_event(code, active, detail);
+}
+
+/// As soon as there is room again: before any other event, so that those cannot take its place for ever.
+void Station::report_lost_events() noexcept {
+  const std::uint64_t lost = port_.events.dropped();
+  if (lost == events_reported_lost_ || port_.events.full()) return;
+  events_reported_lost_ = lost;
+  push_event(code::events_lost, true, static_cast<std::int64_t>(lost));
+}
+
+void Station::push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept {
   const CodeInfo* info = find_code(code);
   Event event;
   event.seq = ++event_seq_;
@@ -43,6 +60,7 @@ void Station::raise(std::uint32_t code, bool active, std::int64_t detail) noexce
 }
 
 void Station::set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept {
+  if (code == 0) return;  // marks a free place
   Warning* free_place = nullptr;
   for (Warning& w : warnings_) {
     if (w.code == code) {
@@ -60,8 +78,12 @@ void Station::set_warning(std::uint32_t code, bool active, std::int64_t detail) 
 }
 
 bool Station::service_one() noexcept {
+  const Request* oldest = port_.requests.peek();
+  if (oldest == nullptr) return false;
+  if (oldest->verb == Verb::start && port_.stop.pending()) return false;
+  if (oldest->token != 0 && port_.replies.full()) return false;
   Request request;
-  if (!port_.requests.pop(request)) return false;
+  port_.requests.pop(request);
   const Reply reply = carry_out(request);
   if (request.token != 0) port_.replies.push(reply);
   return true;
@@ -89,8 +111,10 @@ Reply Station::start(const Request& request, Reply reply) noexcept {
     return reply;
   }
   if (state_ != StationState::STOPPED) {
-    reply.code = code::start_in_wrong_state;
-    if (state_ == StationState::RUNNING) reply.outcome = Outcome::done;  // Start is repeated until confirmed
+    if (state_ == StationState::RUNNING)
+      reply.outcome = Outcome::done;  // Start is repeated until confirmed
+    else
+      reply.code = code::start_in_wrong_state;
     return reply;
   }
   for (std::size_t i = 0; i < request.assignment_count; ++i)
@@ -119,7 +143,7 @@ Reply Station::reset(Reply reply) noexcept {
   return reply;
 }
 
-// -- Cycle: the program's side ----------------------------------------------------------------------------------------
+// -- Cycle: the program's side ------------------------------------------------------------------------------
 
 std::uint64_t Cycle::scan() const noexcept { return station_.scan_; }
 std::uint32_t Cycle::epoch() const noexcept { return station_.options_.epoch; }

@@ -19,23 +19,31 @@ std::uint64_t Task::run(const Schedule& schedule, std::uint64_t k, std::int64_t 
   const std::int64_t due_ns = schedule.due_ns(k);
   const std::int64_t next_due_ns = schedule.due_ns(k + 1);
   ++scan_;
-  for (Station* s : stations_) s->take_orders();
-  for (Station* s : stations_) s->latch(woken_ns);
+  for (Station* s : stations_) s->begin(woken_ns, scan_, utc_offset_ns);
+  for (Station* s : stations_) s->latch();
   const std::int64_t latched_ns = stopwatch_.now_ns();
-  for (Station* s : stations_) s->execute(woken_ns, scan_, utc_offset_ns);
+  for (Station* s : stations_) s->execute();
   const std::int64_t executed_ns = stopwatch_.now_ns();
-  for (Station* s : stations_) s->commit(woken_ns);
+  for (Station* s : stations_) s->commit();
   const std::int64_t committed_ns = stopwatch_.now_ns();
   const std::uint64_t misses = figures_.deadline_misses.load(std::memory_order_relaxed);
-  for (Station* s : stations_) s->publish(woken_ns, misses);
+  for (Station* s : stations_) s->publish(misses);
   const std::int64_t published_ns = stopwatch_.now_ns();
-  service(next_due_ns);
+  wake();
+  if (service(next_due_ns) != 0) wake();
   const std::int64_t serviced_ns = stopwatch_.now_ns();
 
   const std::uint64_t next = schedule.next(k, serviced_ns);
-  CycleRecord record{scan_, woken_ns - due_ns, latched_ns - woken_ns, executed_ns - latched_ns,
-                     committed_ns - executed_ns, published_ns - committed_ns, serviced_ns - published_ns,
-                     committed_ns - due_ns, next - k - 1, committed_ns > next_due_ns};
+  CycleRecord record{scan_,
+                     woken_ns - due_ns,
+                     latched_ns - woken_ns,
+                     executed_ns - latched_ns,
+                     committed_ns - executed_ns,
+                     published_ns - committed_ns,
+                     serviced_ns - published_ns,
+                     committed_ns - due_ns,
+                     next - k - 1,
+                     committed_ns > next_due_ns};
   account(record);
   return next;
 }

@@ -29,14 +29,22 @@ class Stopwatch {
   virtual std::int64_t now_ns() noexcept = 0;
 };
 
+/// Wakes the thread that sends what a cycle has published. Without one nobody is woken.
+class Waker {
+ public:
+  virtual ~Waker() = default;
+  /// Scan thread; neither blocks nor fails: a wake that is not seen yet stands for the later ones, too.
+  virtual void wake() noexcept = 0;
+};
+
 /// One cycle by phase, in nanoseconds; crosses to the log thread when the cycle missed its deadline.
 struct CycleRecord {
   std::uint64_t scan = 0;
   std::int64_t lateness_ns = 0;
   std::int64_t latch_ns = 0, execute_ns = 0, commit_ns = 0, publish_ns = 0, service_ns = 0;
-  std::int64_t response_ns = 0;    ///< due time to outputs committed
-  std::uint64_t skipped = 0;       ///< cycles of the grid that did not run after this one
-  bool committed_late = false;     ///< outputs committed after the next due time
+  std::int64_t response_ns = 0;  ///< due time to outputs committed
+  std::uint64_t skipped = 0;     ///< cycles of the grid that did not run after this one
+  bool committed_late = false;   ///< outputs committed after the next due time
 };
 
 /// Counters and histograms of a task; any thread may read.
@@ -52,8 +60,14 @@ class Task {
   /// Stations run in the given order. The references must outlive the task.
   Task(TaskOptions options, std::vector<Station*> stations, Stopwatch& stopwatch);
 
-  /// Runs cycle k of the schedule, woken at woken_ns. Returns the number of the cycle to run next. `utc_offset_ns`: CLOCK_REALTIME
-  /// less CLOCK_MONOTONIC. Scans are numbered from 1.
+  /// Set-up. Called once a cycle, right after publish: no request holds up an event or a PV; and a second
+  /// time in a cycle that serviced requests, so that their replies need not wait for the next one. Null:
+  /// nobody. Must outlive the task's runs.
+  void set_waker(Waker* waker) noexcept { waker_ = waker; }
+
+  /// Runs cycle k of the schedule, woken at woken_ns. Returns the number of the cycle to run next.
+  /// `utc_offset_ns`:
+  /// CLOCK_REALTIME less CLOCK_MONOTONIC. Scans are numbered from 1.
   std::uint64_t run(const Schedule& schedule, std::uint64_t k, std::int64_t woken_ns,
                     std::int64_t utc_offset_ns) noexcept;
 
@@ -64,15 +78,19 @@ class Task {
   Ring<CycleRecord>& misses() noexcept { return misses_; }
 
  private:
+  void wake() noexcept {
+    if (waker_ != nullptr) waker_->wake();
+  }
   std::uint64_t service(std::int64_t next_due_ns) noexcept;
   void account(CycleRecord& record) noexcept;
 
   static constexpr std::int64_t kServiceReserveNs = 20'000;  // left free before the next due time
-  static constexpr int kServicePerScan = 32;                 // and station: one flood does not eat the whole slack
+  static constexpr int kServicePerScan = 32;  // and station: one flood does not eat the whole slack
 
   TaskOptions options_;
   std::vector<Station*> stations_;
   Stopwatch& stopwatch_;
+  Waker* waker_ = nullptr;
   TaskFigures figures_;
   Ring<CycleRecord> misses_{64};
   std::uint64_t scan_ = 0;

@@ -15,7 +15,19 @@ using Slot = std::uint64_t;
 
 /// IEC 61131-3 elementary types. TIME is int64 nanoseconds here. A STRING takes 1 + ceil(length / 8) slots.
 enum class TagType : std::uint8_t {
-  BOOL, SINT, INT, DINT, LINT, USINT, UINT, UDINT, ULINT, REAL, LREAL, TIME, STRING
+  BOOL,
+  SINT,
+  INT,
+  DINT,
+  LINT,
+  USINT,
+  UINT,
+  UDINT,
+  ULINT,
+  REAL,
+  LREAL,
+  TIME,
+  STRING
 };
 
 /// Order matters: the worse of two qualities is the smaller one.
@@ -36,11 +48,16 @@ std::string_view name_of(Area area) noexcept;
 
 /// Least and greatest value of an integer type (or BOOL, TIME), as the signed 64-bit number it is written as;
 /// ULINT's greatest is INT64_MAX here.
-struct IntegerRange { std::int64_t min; std::int64_t max; };
+struct IntegerRange {
+  std::int64_t min;
+  std::int64_t max;
+};
 IntegerRange integer_range(TagType type) noexcept;
 
 /// C++ type to slot and back. TIME has its own tag type, since int64_t is LINT.
-struct Time { std::int64_t ns = 0; };
+struct Time {
+  std::int64_t ns = 0;
+};
 
 template <class T> struct TagTypeOf;
 template <> struct TagTypeOf<bool> { static constexpr TagType value = TagType::BOOL; };
@@ -57,18 +74,27 @@ template <> struct TagTypeOf<double> { static constexpr TagType value = TagType:
 template <> struct TagTypeOf<Time> { static constexpr TagType value = TagType::TIME; };
 
 template <class T> constexpr Slot to_slot(T value) noexcept {
-  if constexpr (std::is_same_v<T, float>) return std::bit_cast<std::uint32_t>(value);
-  else if constexpr (std::is_same_v<T, double>) return std::bit_cast<std::uint64_t>(value);
-  else if constexpr (std::is_same_v<T, Time>) return static_cast<Slot>(value.ns);
-  else return static_cast<Slot>(value);
+  if constexpr (std::is_same_v<T, float>)
+    return std::bit_cast<std::uint32_t>(value);
+  else if constexpr (std::is_same_v<T, double>)
+    return std::bit_cast<std::uint64_t>(value);
+  else if constexpr (std::is_same_v<T, Time>)
+    return static_cast<Slot>(value.ns);
+  else
+    return static_cast<Slot>(value);
 }
 
 template <class T> constexpr T from_slot(Slot slot) noexcept {
-  if constexpr (std::is_same_v<T, float>) return std::bit_cast<float>(static_cast<std::uint32_t>(slot));
-  else if constexpr (std::is_same_v<T, double>) return std::bit_cast<double>(slot);
-  else if constexpr (std::is_same_v<T, Time>) return Time{static_cast<std::int64_t>(slot)};
-  else if constexpr (std::is_same_v<T, bool>) return slot != 0;
-  else return static_cast<T>(slot);
+  if constexpr (std::is_same_v<T, float>)
+    return std::bit_cast<float>(static_cast<std::uint32_t>(slot));
+  else if constexpr (std::is_same_v<T, double>)
+    return std::bit_cast<double>(slot);
+  else if constexpr (std::is_same_v<T, Time>)
+    return Time{static_cast<std::int64_t>(slot)};
+  else if constexpr (std::is_same_v<T, bool>)
+    return slot != 0;
+  else
+    return static_cast<T>(slot);
 }
 
 }  // namespace stationd
