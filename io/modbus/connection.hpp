@@ -27,7 +27,7 @@ class Connection {
   ExchangeResult open() noexcept;
   void close() noexcept;
 
-  /// Sends the request, waits for the reply and judges it. After anything but ok or an exception the connection
+  /// Sends the request, waits for the reply and judges it. After all but ok and an exception the connection
   /// is closed: what comes late would be taken for the answer to the next request.
   ExchangeResult transact(const Adu& request) noexcept;
   /// The reply of the last transact() that was ok.
