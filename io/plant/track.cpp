@@ -179,7 +179,8 @@ void Station::grip_piece(const Surroundings& around, std::uint16_t at) {
 }
 
 void Station::release(const Surroundings& around) {
-  const std::uint16_t at = arm_height.at_end() ? arm_position() : std::uint16_t{0};
+  // Below half-way a part slides into its place: a Stop that lifts the arm while the gripper opens drops nothing.
+  const std::uint16_t at = arm_height.past_half() ? arm_position() : std::uint16_t{0};
   if (held.grip == Grip::piece) {
     if (!store_piece(around, at)) {
       around.ledger.violate(ViolationKind::gripper_opened_astray, unit_, held.piece.number, around.now_ns);
