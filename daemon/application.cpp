@@ -24,12 +24,14 @@ constexpr const char* kUsage =
     "       stationd --write-safe FILE  write the safe value of every output to its device, and end\n"
     "       stationd --version | --help\n"
     "exit status: 0 ended in order, 1 failed while running, 64 command line, 69 no bus or already running,\n"
-    "             73 state directory not writable, 77 real-time rights required but refused, 78 configuration\n";
+    "             73 state directory not writable, 77 real-time rights required but refused, 78 "
+    "configuration\n";
 
 constexpr std::int64_t kHousekeepNs = 100'000'000;
 constexpr std::int64_t kStatusEveryNs = 1'000'000'000;
 constexpr std::int64_t kFirstScanLimitNs = 10'000'000'000;
-constexpr std::size_t kThreadStackBytes = 256 * 1024;  // memory is locked: default stacks of 8 MB would all be resident
+constexpr std::size_t kThreadStackBytes =
+    256 * 1024;  // memory is locked: default stacks of 8 MB would all be resident
 
 struct Command {
   enum class What { run, check, write_safe } what = What::run;
@@ -104,8 +106,9 @@ int serve(Controller& controller, const config::Configuration& configuration, Lo
     const std::int64_t now_ns = monotonic_ns();
     controller.housekeep(now_ns);
     if (const std::string name = controller.duplicate_station(); !name.empty()) {
-      log.error("station \"" + name + "\" is already run by another daemon in cell \"" + configuration.bus.cell +
-                "\", domain " + std::to_string(configuration.bus.domain) + ": give it another name or stop the other");
+      log.error("station \"" + name + "\" is already run by another daemon in cell \"" +
+                configuration.bus.cell + "\", domain " + std::to_string(configuration.bus.domain) +
+                ": give it another name or stop the other");
       return kExitUnavailable;
     }
     if (now_ns >= next_status_ns) {
@@ -166,11 +169,16 @@ int run(const config::Configuration& configuration) {
 
 bool parse(const std::vector<std::string>& arguments, Command& command, std::string& error) {
   for (const std::string& a : arguments) {
-    if (a == "--check") command.what = Command::What::check;
-    else if (a == "--write-safe") command.what = Command::What::write_safe;
-    else if (a.size() > 1 && a.front() == '-') error = "unknown option \"" + a + "\"";
-    else if (!command.file.empty()) error = "more than one FILE: \"" + command.file + "\" and \"" + a + "\"";
-    else command.file = a;
+    if (a == "--check")
+      command.what = Command::What::check;
+    else if (a == "--write-safe")
+      command.what = Command::What::write_safe;
+    else if (a.size() > 1 && a.front() == '-')
+      error = "unknown option \"" + a + "\"";
+    else if (!command.file.empty())
+      error = "more than one FILE: \"" + command.file + "\" and \"" + a + "\"";
+    else
+      command.file = a;
   }
   if (error.empty() && command.file.empty()) error = "no FILE given";
   return error.empty();
@@ -182,7 +190,8 @@ int run_stationd(const std::vector<std::string>& arguments) {
   for (const std::string& a : arguments) {
     if (a == "--help" || a == "-h") return std::fputs(kUsage, stdout) < 0 ? kExitFailure : kExitOk;
     if (a == "--version")
-      return std::printf("stationd %s, %s\n", STATIOND_VERSION, bus::dds_version().c_str()) < 0 ? kExitFailure : kExitOk;
+      return std::printf("stationd %s, %s\n", STATIOND_VERSION, bus::dds_version().c_str()) < 0 ? kExitFailure
+                                                                                                : kExitOk;
   }
   Command command;
   std::string error;

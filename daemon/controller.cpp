@@ -49,7 +49,8 @@ void Controller::log_grants(const std::vector<RtGrant>& grants) {
     refused = true;
     log_.warning(g.what + " refused: " + g.reason);
   }
-  if (refused) log_.warning("running without all real-time rights: scans may be late when the machine is busy");
+  if (refused)
+    log_.warning("running without all real-time rights: scans may be late when the machine is busy");
   const std::lock_guard lock(realtime_mutex_);
   realtime_ = join(grants);
 }
@@ -67,7 +68,8 @@ bool Controller::stop() noexcept {
 }
 
 bool Controller::first_scans_done() const {
-  return std::all_of(tasks_.begin(), tasks_.end(), [](const RunningTask& t) { return t.task->figures().scans.load() > 0; });
+  return std::all_of(tasks_.begin(), tasks_.end(),
+                     [](const RunningTask& t) { return t.task->figures().scans.load() > 0; });
 }
 
 bool Controller::made_progress(std::int64_t now_ns) {
@@ -90,7 +92,8 @@ void Controller::housekeep(std::int64_t now_ns) {
   for (RunningTask& t : tasks_) {
     CycleRecord record;
     while (t.task->misses().pop(record)) t.report->add(record);
-    if (const auto line = t.report->due(now_ns, t.task->figures().deadline_misses.load(std::memory_order_relaxed)))
+    if (const auto line =
+            t.report->due(now_ns, t.task->figures().deadline_misses.load(std::memory_order_relaxed)))
       log_.line(LogSeverity::warning, line->text, line->fields);
   }
 }

@@ -69,7 +69,8 @@ class Controller {
   void restore(Station& station);
   void build_devices();
   void build_device(const io::DeviceOptions& options);
-  std::unique_ptr<io::Backend> make_backend(const io::DeviceOptions& options, const std::vector<io::Point>& points);
+  std::unique_ptr<io::Backend> make_backend(const io::DeviceOptions& options,
+                                            const std::vector<io::Point>& points);
   void build_tasks();
   void build_bus();
   void log_grants(const std::vector<RtGrant>& grants);

@@ -44,12 +44,13 @@ void Controller::lock_state_directory() {
   const std::filesystem::path path = configuration_.state_dir / (configuration_.name + ".lock");
   lock_fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
   if (lock_fd_ < 0)
-    throw SetupError("state directory " + configuration_.state_dir.string() + " cannot be written: " +
-                     std::strerror(errno) +
-                     "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
+    throw SetupError(
+        "state directory " + configuration_.state_dir.string() +
+        " cannot be written: " + std::strerror(errno) +
+        "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
   if (flock(lock_fd_, LOCK_EX | LOCK_NB) != 0)
-    throw AlreadyRunning("controller \"" + configuration_.name + "\" is already running: its lock " + path.string() +
-                         " is held; stop that daemon first");
+    throw AlreadyRunning("controller \"" + configuration_.name + "\" is already running: its lock " +
+                         path.string() + " is held; stop that daemon first");
 }
 
 void Controller::build_station(const config::StationConfig& s) {
@@ -96,7 +97,8 @@ void Controller::restore(Station& station) {
   if (loaded.record) station.restore(loaded.record->slots);
   std::vector<Slot> slots;
   for (const TagIndex tag : station.retain().tags.tags)
-    for (std::uint32_t i = 0; i < station.image().slot_count(tag); ++i) slots.push_back(station.image().value(tag)[i]);
+    for (std::uint32_t i = 0; i < station.image().slot_count(tag); ++i)
+      slots.push_back(station.image().value(tag)[i]);
   if (!store->save(epoch, slots)) throw SetupError("retained tags cannot be written: " + store->error());
   log_.info("station " + station.name() + ": epoch " + std::to_string(epoch) + ", " +
             (loaded.record ? "warm" : "cold") + " start");
@@ -107,7 +109,7 @@ std::unique_ptr<io::Backend> Controller::make_backend(const io::DeviceOptions& o
                                                       const std::vector<io::Point>& points) {
   switch (options.kind) {
     case io::DeviceKind::modbus: return std::make_unique<io::ModbusBackend>(options, points);
-    case io::DeviceKind::null: return std::make_unique<io::NullBackend>(points);
+    case io::DeviceKind::null: return std::make_unique<io::NullBackend>();
     case io::DeviceKind::simulated: break;
   }
   if (!plant_) plant_ = std::make_shared<io::SharedPlant>(configuration_.plant);
@@ -168,7 +170,8 @@ void Controller::build_bus() {
   bus_ = std::make_unique<bus::Bus>(configuration_.bus);
   std::vector<bus::BridgedStation> bridged;
   for (RunningTask& t : tasks_)
-    for (Station* s : t.task->stations()) bridged.push_back({s, [this, task = t.task.get()] { return figures_of(*task); }});
+    for (Station* s : t.task->stations())
+      bridged.push_back({s, [this, task = t.task.get()] { return figures_of(*task); }});
   bus::BridgeOptions options;
   options.controller = configuration_.name;
   const auto log = [this](int severity, const std::string& text) {

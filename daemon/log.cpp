@@ -16,7 +16,8 @@ namespace stationd {
 namespace {
 
 constexpr std::size_t kQueue = 2048;
-constexpr char kFieldSeparator = '\x1f';  // text, then NAME=value ... : fields travel inside the line to the sink
+constexpr char kFieldSeparator =
+    '\x1f';  // text, then NAME=value ... : fields travel inside the line to the sink
 
 spdlog::level::level_enum level_of(LogSeverity severity) {
   static constexpr std::array levels = {spdlog::level::debug, spdlog::level::info, spdlog::level::warn,
@@ -32,7 +33,9 @@ bool stderr_is_journal() {
   return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
 }
 
-std::string_view without_fields(std::string_view payload) { return payload.substr(0, payload.find(kFieldSeparator)); }
+std::string_view without_fields(std::string_view payload) {
+  return payload.substr(0, payload.find(kFieldSeparator));
+}
 
 /// Plain lines; journal fields are left out.
 class PlainSink final : public spdlog::sinks::base_sink<std::mutex> {
@@ -52,9 +55,10 @@ class JournalSink final : public spdlog::sinks::base_sink<std::mutex> {
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
     static constexpr std::array<const char*, 7> priorities = {"7", "7", "6", "4", "3", "2", "5"};
-    std::vector<std::string> fields = {std::string("PRIORITY=") + priorities[static_cast<std::size_t>(message.level)]};
+    std::vector<std::string> fields = {std::string("PRIORITY=") +
+                                       priorities[static_cast<std::size_t>(message.level)]};
     std::string_view rest(message.payload.data(), message.payload.size());
-    for (bool first = true; ; first = false) {
+    for (bool first = true;; first = false) {
       const std::size_t end = rest.find(kFieldSeparator);
       fields.push_back((first ? "MESSAGE=" : "") + std::string(rest.substr(0, end)));
       if (end == std::string_view::npos) break;
@@ -76,8 +80,10 @@ struct Log::Impl {
 
 Log::Log(const std::string& name, LogSeverity least) : impl_(std::make_unique<Impl>()) {
   spdlog::sink_ptr sink;
-  if (stderr_is_journal()) sink = std::make_shared<JournalSink>();
-  else sink = std::make_shared<PlainSink>();
+  if (stderr_is_journal())
+    sink = std::make_shared<JournalSink>();
+  else
+    sink = std::make_shared<PlainSink>();
   sink->set_formatter(std::make_unique<spdlog::pattern_formatter>("%Y-%m-%dT%H:%M:%S.%eZ %n %l: %v",
                                                                   spdlog::pattern_time_type::utc));
   impl_->pool = std::make_shared<spdlog::details::thread_pool>(kQueue, 1);

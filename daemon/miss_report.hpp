@@ -19,7 +19,10 @@ class MissReport {
   /// A record from the task's ring. The worst one (greatest response time) since the last line is the one that is shown.
   void add(const CycleRecord& record);
 
-  struct Line { std::string text; LogFields fields; };
+  struct Line {
+    std::string text;
+    LogFields fields;
+  };
   /// The line that is due at now_ns, if any: `misses` is the task's exact counter.
   std::optional<Line> due(std::int64_t now_ns, std::uint64_t misses);
 

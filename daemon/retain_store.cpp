@@ -80,9 +80,10 @@ RetainStore::RetainStore(const std::filesystem::path& directory, std::string sta
   std::error_code e;
   std::filesystem::create_directories(directory_, e);
   if (e || access(directory_.c_str(), W_OK | X_OK) != 0)
-    throw SetupError("state directory " + directory_.string() + " cannot be written: " +
-                     (e ? e.message() : std::string(std::strerror(errno))) +
-                     "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
+    throw SetupError(
+        "state directory " + directory_.string() +
+        " cannot be written: " + (e ? e.message() : std::string(std::strerror(errno))) +
+        "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
 }
 
 RetainStore::~RetainStore() {
@@ -113,9 +114,10 @@ RetainStore::Loaded RetainStore::load() {
     const auto aside = path(i).string() + ".refused";
     std::error_code ignored;
     std::filesystem::rename(path(i), aside, ignored);
-    result.refused += (result.refused.empty() ? "" : "; ") + path(i).string() +
-                      (back.verdict == Verdict::damaged ? " is damaged or truncated" : " is of another layout") +
-                      ", kept aside as " + aside;
+    result.refused +=
+        (result.refused.empty() ? "" : "; ") + path(i).string() +
+        (back.verdict == Verdict::damaged ? " is damaged or truncated" : " is of another layout") +
+        ", kept aside as " + aside;
   }
   return result;
 }

@@ -35,8 +35,8 @@ class RetainStore {
   /// used are kept aside as *.refused. The epoch is told even from a record of another layout.
   struct Loaded {
     std::optional<RetainRecord> record;
-    std::uint32_t epoch = 0;   ///< of the newest readable record, 0: none
-    std::string refused;       ///< for the log; empty: nothing to complain of
+    std::uint32_t epoch = 0;  ///< of the newest readable record, 0: none
+    std::string refused;      ///< for the log; empty: nothing to complain of
   };
   Loaded load();
 

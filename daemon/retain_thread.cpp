@@ -55,7 +55,8 @@ void RetainThread::save(Item& item, std::int64_t now_ns) {
   item.last_save_ns = now_ns;
   if (!item.store->save(item.station->epoch(), block.slots())) {
     if (!item.failing)
-      log_.error("station " + item.station->name() + ": retained tags are not written: " + item.store->error());
+      log_.error("station " + item.station->name() +
+                 ": retained tags are not written: " + item.store->error());
     item.failing = true;
     return;  // still unsaved: tried again after the interval; an urgent ticket stays open, so the program waits
   }

@@ -19,8 +19,11 @@ int write_safe_outputs(const config::Configuration& configuration) {
     const io::ExchangeResult result = io::write_safe(backend, points.all(), monotonic_ns());
     backend.close();
     const bool ok = result.status == io::ExchangeStatus::ok;
-    if (ok) std::printf("%s: safe values written\n", device.name.c_str());
-    else std::fprintf(stderr, "%s: safe values NOT written: %s\n", device.name.c_str(), io::describe(result).c_str());
+    if (ok)
+      std::printf("%s: safe values written\n", device.name.c_str());
+    else
+      std::fprintf(stderr, "%s: safe values NOT written: %s\n", device.name.c_str(),
+                   io::describe(result).c_str());
     if (!ok) status = kExitFailure;
   }
   return status;

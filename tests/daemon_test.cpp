@@ -1,0 +1,97 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "config/config.hpp"
+#include "daemon/catalogue.hpp"
+#include "daemon/device_points.hpp"
+#include "daemon/miss_report.hpp"
+
+using namespace stationd;
+
+namespace {
+
+constexpr std::int64_t kSecondNs = 1'000'000'000;
+
+CycleRecord late(std::uint64_t scan, std::int64_t response_ns) {
+  CycleRecord record;
+  record.scan = scan;
+  record.response_ns = response_ns;
+  record.execute_ns = response_ns / 2;
+  record.lateness_ns = response_ns / 4;
+  record.committed_late = true;
+  return record;
+}
+
+std::string field(const MissReport::Line& line, const std::string& name) {
+  const auto found =
+      std::find_if(line.fields.begin(), line.fields.end(), [&](const auto& f) { return f.first == name; });
+  REQUIRE(found != line.fields.end());
+  return found->second;
+}
+
+}  // namespace
+
+TEST_CASE("Miss report without a miss says nothing (SCAN-4)") {
+  MissReport report("fast", "robot");
+  CHECK_FALSE(report.due(kSecondNs, 0).has_value());
+}
+
+TEST_CASE("Miss report of one miss names task, scan, times and phase (SCAN-4)") {
+  MissReport report("fast", "loader, robot");
+  report.add(late(41, 12'000'000));
+  const auto line = report.due(5 * kSecondNs, 1);
+  REQUIRE(line.has_value());
+  CHECK(line->text.find("task fast (loader, robot), 1 miss ") != std::string::npos);
+  CHECK(line->text.find("scan 41") != std::string::npos);
+  CHECK(line->text.find("execute 6000.0 us") != std::string::npos);
+  CHECK(field(*line, "STATIOND_SCAN") == "41");
+  CHECK(field(*line, "STATIOND_PHASE") == "execute");
+  CHECK(field(*line, "STATIOND_RESPONSE_NS") == "12000000");
+}
+
+TEST_CASE("Miss report of many misses in a second is one line that counts them all (SCAN-4)") {
+  MissReport report("fast", "robot");
+  report.add(late(1, 11'000'000));
+  REQUIRE(report.due(kSecondNs, 1).has_value());
+  report.add(late(2, 30'000'000));
+  report.add(late(3, 20'000'000));
+  CHECK_FALSE(report.due(kSecondNs + kSecondNs / 2, 3).has_value());
+  const auto line = report.due(2 * kSecondNs, 500);
+  REQUIRE(line.has_value());
+  CHECK(field(*line, "STATIOND_COUNT") ==
+        "499");  // the exact counter, not the records that fitted into the ring
+  CHECK(field(*line, "STATIOND_SCAN") == "2");
+  CHECK_FALSE(report.due(4 * kSecondNs, 500).has_value());
+}
+
+TEST_CASE("Points of a device keep the order of each station's tags (IO-2)") {
+  const config::ProgramCatalogue catalogue = program_catalogue();
+  const auto loaded = config::load_controller(
+      std::filesystem::path(STATIOND_SOURCE_DIR) / "config/controller1.toml", &catalogue);
+  REQUIRE(loaded);
+  const DevicePoints points(*loaded.value, loaded.value->devices.at(1).name);
+  CHECK(points.inputs_of(0).empty());
+  REQUIRE_FALSE(points.inputs_of(1).empty());
+  std::vector<std::string> expected;
+  for (const auto& mapping : loaded.value->stations.at(1).inputs) expected.push_back(mapping.point.tag);
+  std::vector<std::string> inputs;
+  for (const io::Point& p : points.all())
+    if (p.direction == io::Direction::input) inputs.push_back(p.tag);
+  std::vector<std::string> seen;
+  for (const std::uint32_t place : points.inputs_of(1)) seen.push_back(inputs.at(place));
+  CHECK(seen == expected);
+}
+
+TEST_CASE("Shipped configurations name only programs and tags that there are (CFG-1)") {
+  const config::ProgramCatalogue catalogue = program_catalogue();
+  for (const char* name : {"controller1", "controller2", "cell-in-process"}) {
+    CAPTURE(name);
+    const auto loaded = config::load_controller(
+        std::filesystem::path(STATIOND_SOURCE_DIR) / "config" / (std::string(name) + ".toml"), &catalogue);
+    for (const config::Problem& p : loaded.problems) FAIL_CHECK(p.text);
+    CHECK(loaded);
+  }
+}
