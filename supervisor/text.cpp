@@ -1,0 +1,116 @@
+#include "supervisor/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <ctime>
+
+#include "scan/codes.hpp"
+
+namespace stationd::supervisor {
+namespace {
+
+bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
+
+/// Bytes that the first `columns` code points take.
+std::size_t bytes_of(std::string_view text, std::size_t columns) {
+  std::size_t at = 0;
+  while (at < text.size() && columns > 0) {
+    ++at;
+    while (at < text.size() && continues(text[at])) ++at;
+    --columns;
+  }
+  return at;
+}
+
+template <class... T> std::string formatted(const char* format, T... values) {
+  std::array<char, 64> buffer{};
+  const int n = std::snprintf(buffer.data(), buffer.size(), format, values...);
+  if (n <= 0) return {};
+  return {buffer.data(), std::min(static_cast<std::size_t>(n), buffer.size() - 1)};
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out(text);
+  for (char& c : out)
+    if (static_cast<unsigned char>(c) < 0x20U || c == 0x7F) c = '?';
+  // C1 controls arrive in UTF-8 as C2 80 to C2 9F; some terminals obey them.
+  for (std::size_t i = 0; i + 1 < out.size(); ++i)
+    if (out[i] == '\xC2' && static_cast<unsigned char>(out[i + 1]) < 0xA0U) out.replace(i, 2, "?");
+  return out;
+}
+
+std::size_t columns_of(std::string_view text) {
+  std::size_t columns = 0;
+  for (const char c : text) columns += continues(c) ? 0U : 1U;
+  return columns;
+}
+
+std::string cut(std::string_view text, std::size_t width) {
+  if (columns_of(text) <= width) return std::string(text);
+  if (width == 0) return {};
+  return std::string(text.substr(0, bytes_of(text, width - 1))) + "~";
+}
+
+std::string fit(std::string_view text, std::size_t width) {
+  std::string out = cut(text, width);
+  out.append(width - columns_of(out), ' ');
+  return out;
+}
+
+std::string fit_right(std::string_view text, std::size_t width) {
+  const std::string out = cut(text, width);
+  return std::string(width - columns_of(out), ' ') + out;
+}
+
+std::string duration_text(std::int64_t ns) {
+  if (ns < 0) return "-" + duration_text(ns == INT64_MIN ? INT64_MAX : -ns);
+  const auto value = static_cast<double>(ns);
+  if (ns < 1'000) return formatted("%.0fns", value);
+  if (ns < 1'000'000) return formatted("%.0fus", value / 1e3);
+  if (ns < 1'000'000'000) return formatted("%.1fms", value / 1e6);
+  return formatted("%.1fs", value / 1e9);
+}
+
+std::string code_id(std::uint32_t code) { return formatted("ST%04u", code); }
+
+std::string code_text(std::uint32_t code) {
+  if (code == 0) return {};
+  const CodeInfo* info = find_code(code);
+  return info == nullptr ? code_id(code) : code_id(code) + " " + std::string(info->name);
+}
+
+std::string state_text(std::uint32_t state) {
+  if (state <= static_cast<std::uint32_t>(StationState::FAULT))
+    return std::string(name_of(static_cast<StationState>(state)));
+  return formatted("STATE %u", state);
+}
+
+std::string event_text(const EventRecord& record) {
+  const bus::Gse& gse = record.gse;
+  std::string out = time_text(gse.SOURCE_TIME) + " ";
+  out += gse.STATION.empty() ? "(no name)" : printable(gse.STATION);
+  const bool plain = gse.SEQ == 0;  // a Table 4 writer says no more than ERROR and STATUS
+  const std::uint32_t severity = plain && gse.ERROR ? 2 : std::min(gse.SEVERITY, 2U);
+  out += " " + std::string(name_of(static_cast<Severity>(severity))) + " ";
+  const bool gone = severity != 0 && !(plain ? gse.ERROR : gse.ACTIVE);
+  if (gone) out += "gone: ";
+  out += gse.STATUS == 0 && gse.TEXT.empty() ? "(no code)" : code_text(gse.STATUS);
+  if (!gse.EDGE && !gone) out += " (still)";
+  const CodeInfo* info = find_code(gse.STATUS);
+  if (!gse.TEXT.empty() && (info == nullptr || gse.TEXT != info->name)) out += ": " + printable(gse.TEXT);
+  if (record.missing_before != 0) out += formatted(" (%u lost before)", record.missing_before);
+  return out;
+}
+
+std::string time_text(std::int64_t utc_ns) {
+  if (utc_ns <= 0) return "--:--:--";
+  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
+  std::tm parts{};
+  if (localtime_r(&seconds, &parts) == nullptr) return "--:--:--";
+  return formatted("%02d:%02d:%02d", parts.tm_hour, parts.tm_min, parts.tm_sec);
+}
+
+}  // namespace stationd::supervisor
