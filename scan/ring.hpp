@@ -42,6 +42,12 @@ template <class T> class Ring {
     return tail - head_cache_ > mask_;
   }
 
+  /// Producer thread. Records that fit now.
+  std::size_t room() noexcept {
+    head_cache_ = head_.load(std::memory_order_acquire);
+    return capacity() - (tail_.load(std::memory_order_relaxed) - head_cache_);
+  }
+
   /// Consumer thread. False when empty.
   bool pop(T& item) noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);

@@ -102,7 +102,7 @@ class Station {
   void publish_pv(PvLink& link, std::size_t index) noexcept;
   void publish_retained() noexcept;
   void raise(std::uint32_t code, bool active, std::int64_t detail) noexcept;
-  void push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept;
+  bool push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept;
   void report_lost_events() noexcept;
   void enter(StationState state, StopCause cause) noexcept;
   Reply carry_out(const Request& request) noexcept;
@@ -144,6 +144,7 @@ class Station {
   std::array<Warning, kMaxWarnings> warnings_{};
   std::uint32_t event_seq_ = 0;
   std::uint64_t events_reported_lost_ = 0;
+  bool loss_told_last_ = false;  // the newest event in the ring tells of a loss
   std::uint64_t last_stop_order_ = 0;
   std::uint64_t scan_ = 0;
   std::int64_t now_ns_ = 0;

@@ -35,18 +35,21 @@ void Station::fault(std::uint32_t code, std::int64_t detail) noexcept {
 
 void Station::raise(std::uint32_t code, bool active, std::int64_t detail) noexcept {
   report_lost_events();
-  push_event(code, active, detail);
+  if (push_event(code, active, detail)) loss_told_last_ = false;
 }
 
-/// As soon as there is room again: before any other event, so that those cannot take its place for ever.
+/// As soon as there is room again, before any other event: those cannot keep it out for ever. Where the
+/// reader makes room for one at a time they take turns: it does not keep those out either.
 void Station::report_lost_events() noexcept {
   const std::uint64_t lost = port_.events.dropped();
-  if (lost == events_reported_lost_ || port_.events.full()) return;
+  if (lost == events_reported_lost_) return;
+  const std::size_t room = port_.events.room();
+  if (room == 0 || (room == 1 && loss_told_last_)) return;
   events_reported_lost_ = lost;
-  push_event(code::events_lost, true, static_cast<std::int64_t>(lost));
+  loss_told_last_ = push_event(code::events_lost, true, static_cast<std::int64_t>(lost));
 }
 
-void Station::push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept {
+bool Station::push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept {
   const CodeInfo* info = find_code(code);
   Event event;
   event.seq = ++event_seq_;
@@ -56,7 +59,7 @@ void Station::push_event(std::uint32_t code, bool active, std::int64_t detail) n
   event.scan = scan_;
   event.utc_ns = utc_ns_;
   event.detail = detail;
-  port_.events.push(event);
+  return port_.events.push(event);
 }
 
 void Station::set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept {

@@ -1,0 +1,350 @@
+// The task: phases, deadline misses, overrun policy, servicing within the slack.
+#include <doctest/doctest.h>
+
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/scan_fixture.hpp"
+
+namespace stationd {
+namespace {
+
+using test::FakeStopwatch;
+using test::kMs;
+using test::StationRig;
+using enum StationState;
+
+constexpr std::int64_t kPeriodNs = 10 * kMs;
+
+TaskOptions options_of(OverrunPolicy policy) {
+  TaskOptions options;
+  options.name = "t";
+  options.period_ns = kPeriodNs;
+  options.overrun = policy;
+  return options;
+}
+
+class CountingWaker final : public Waker {
+ public:
+  void wake() noexcept override {
+    ++count;
+    if (on_wake) on_wake();
+  }
+  int count = 0;
+  std::function<void()> on_wake;
+};
+
+/// One station in one task, its time moved by the program's execution.
+class TaskRig {
+ public:
+  explicit TaskRig(OverrunPolicy policy = OverrunPolicy::skip)
+      : task(options_of(policy), {rig.station.get()}, stopwatch), schedule(0, 0, kPeriodNs) {
+    rig.program->on_execute = [this](Cycle&) { stopwatch.time_ns += execute_ns; };
+    rig.program->on_idle = rig.program->on_execute;
+    task.set_waker(&waker);
+  }
+  /// Runs the next cycle on the grid, woken that late.
+  void run(std::int64_t late_ns = 0) {
+    const std::int64_t woken_ns = schedule.due_ns(k) + late_ns;
+    stopwatch.time_ns = woken_ns;
+    k = task.run(schedule, k, woken_ns, 0);
+  }
+  CycleRecord miss() {
+    CycleRecord record;
+    task.misses().pop(record);
+    return record;
+  }
+  std::uint64_t misses() const { return task.figures().deadline_misses.load(); }
+  std::uint64_t skipped() const { return task.figures().skipped.load(); }
+
+  StationRig rig;
+  FakeStopwatch stopwatch;
+  CountingWaker waker;
+  Task task;
+  Schedule schedule;
+  std::uint64_t k = 1;
+  std::int64_t execute_ns = 0;
+};
+
+TEST_CASE("cycle in time is no deadline miss however late it woke [SCAN-4]") {
+  TaskRig t;
+  t.execute_ns = kMs;
+  t.run();
+  t.run(8 * kMs);
+  t.run(9 * kMs);  // committed exactly at the next due time
+  CHECK(t.task.figures().scans.load() == 3);
+  CHECK(t.misses() == 0);
+  CHECK(t.skipped() == 0);
+  CHECK(t.k == 4);
+  CHECK(t.task.figures().lateness.max_ns() == 9 * kMs);
+  CHECK(t.task.figures().response.max_ns() == 10 * kMs);
+  CHECK(t.task.figures().execution.max_ns() == kMs);
+}
+
+TEST_CASE(
+    "cycle committed one nanosecond after its next due time is a miss, and so is the skipped one [SCAN-4]") {
+  TaskRig t;
+  t.execute_ns = kPeriodNs + 1;
+  t.run();
+  CHECK(t.misses() == 2);
+  CHECK(t.skipped() == 1);
+  CHECK(t.k == 3);
+  const CycleRecord record = t.miss();
+  CHECK(record.scan == 1);
+  CHECK(record.committed_late);
+  CHECK(record.skipped == 1);
+  CHECK(record.execute_ns == kPeriodNs + 1);
+}
+
+TEST_CASE(
+    "cycle that commits in time and ends after its next due time misses the skipped one alone [SCAN-4]") {
+  TaskRig t;
+  t.waker.on_wake = [&t] { t.stopwatch.time_ns += kPeriodNs + 1; };  // behind the commit
+  t.run();
+  CHECK(t.misses() == 1);
+  CHECK(t.skipped() == 1);
+  CHECK_FALSE(t.miss().committed_late);
+}
+
+TEST_CASE("cycle woken whole periods late runs once, then the grid goes on: no burst [SCAN-3]") {
+  TaskRig t;
+  t.execute_ns = kMs;
+  t.run(5 * kPeriodNs + 3 * kMs);  // cycle 1, in the time of cycle 6
+  CHECK(t.k == 7);
+  CHECK(t.misses() == 6);  // itself and 2..6
+  CHECK(t.skipped() == 5);
+  CHECK(t.miss().lateness_ns == 5 * kPeriodNs + 3 * kMs);
+  t.run();
+  CHECK(t.misses() == 6);
+  CHECK(t.task.figures().lateness.count() == 2);
+}
+
+TEST_CASE("phases of a cycle are stamped one after the other and add up [SCAN-2, SCAN-6]") {
+  TaskRig t;
+  t.stopwatch.step_ns = 7;
+  t.execute_ns = 20 * kMs;
+  t.run(100);
+  const CycleRecord record = t.miss();
+  CHECK(record.lateness_ns == 100);
+  CHECK(record.latch_ns == 7);
+  CHECK(record.execute_ns == 20 * kMs + 7);
+  CHECK(record.commit_ns == 7);
+  CHECK(record.publish_ns == 7);
+  CHECK(record.service_ns == 14);  // a look at the slack, and the stamp
+  CHECK(record.response_ns == 100 + 20 * kMs + 21);
+}
+
+TEST_CASE("figures of a cycle of 1.5 s are right [SCAN-6]") {
+  TaskRig t;
+  t.execute_ns = 1'500 * kMs;
+  t.run();
+  CHECK(t.task.figures().execution.max_ns() == 1'500 * kMs);
+  CHECK(t.task.figures().execution.quantile_ns(0.99) == 1'500 * kMs);
+  CHECK(t.misses() == 150);
+  CHECK(t.k == 151);
+}
+
+TEST_CASE(
+    "overrun policy fault sends each station of the task to FAULT and makes its outputs safe [SCAN-3]") {
+  TaskRig t(OverrunPolicy::fault);
+  t.rig.push(Verb::start);
+  t.run();
+  t.run();
+  CHECK(t.rig.station->state() == RUNNING);
+  t.execute_ns = 11 * kMs;
+  t.run();
+  CHECK(t.rig.station->state() == FAULT);
+  CHECK(t.rig.station->active_fault() == code::overrun);
+  CHECK_FALSE(t.rig.permit());
+  t.execute_ns = 0;
+  t.run();
+  CHECK(t.rig.driven_outputs()[1] == 3);
+  CHECK(t.rig.events().size() == 1);
+}
+
+TEST_CASE("overrun policy skip leaves the station running [SCAN-3]") {
+  TaskRig t(OverrunPolicy::skip);
+  t.rig.push(Verb::start);
+  t.run();
+  t.execute_ns = 25 * kMs;
+  t.run();
+  CHECK(t.rig.station->state() == RUNNING);
+}
+
+TEST_CASE("misses beyond the ring of records are still counted [SCAN-4]") {
+  TaskRig t;
+  t.execute_ns = 11 * kMs;
+  for (int i = 0; i < 200; ++i) t.run();
+  CHECK(t.misses() == 400);
+  CHECK(t.task.misses().dropped() == 200 - t.task.misses().capacity());
+}
+
+TEST_CASE("status tells the misses of the task up to the scan before [SCAN-4]") {
+  TaskRig t;
+  t.execute_ns = 11 * kMs;
+  t.run();
+  t.run();
+  CHECK(t.rig.status().deadline_misses == 2);
+}
+
+TEST_CASE("requests are serviced in bounded number per scan [REQ-2]") {
+  TaskRig t;
+  for (std::uint64_t token = 1; token <= 50; ++token) t.rig.push(Verb::reset, token);
+  t.run();
+  Reply reply;
+  int served = 0;
+  while (t.rig.station->port().replies.pop(reply)) ++served;
+  CHECK(served == 32);
+  t.run();
+  while (t.rig.station->port().replies.pop(reply)) ++served;
+  CHECK(served == 50);
+}
+
+TEST_CASE("requests are serviced within the slack only, and the rest in the next scan [REQ-2]") {
+  TaskRig t;
+  t.stopwatch.step_ns = 10'000;  // each look costs 10 us
+  t.execute_ns = 9'800'000;
+  for (std::uint64_t token = 1; token <= 32; ++token) t.rig.push(Verb::reset, token);
+  t.run();
+  int served = 0;
+  Reply reply;
+  while (t.rig.station->port().replies.pop(reply)) ++served;
+  CHECK(served == 13);  // the look behind the 13th finds less than the reserve of 20 us
+  CHECK(t.misses() == 0);
+  CHECK(t.k == 2);
+}
+
+TEST_CASE("flood of requests raises no deadline miss [REQ-2]") {
+  TaskRig t;
+  t.stopwatch.step_ns = 10'000;
+  t.execute_ns = 9 * kMs;
+  for (int i = 0; i < 1'000; ++i) {
+    for (int n = 0; n < 40; ++n) t.rig.push(Verb::reset, 0);
+    t.run();
+  }
+  CHECK(t.misses() == 0);
+}
+
+TEST_CASE("permanent overrun services no request and never starves Stop [REQ-2]") {
+  TaskRig t;
+  t.rig.push(Verb::start);
+  t.run();
+  t.rig.reply();
+  t.execute_ns = 15 * kMs;
+  for (int i = 0; i < 100; ++i) {
+    t.rig.push(Verb::get);
+    t.run();
+  }
+  CHECK(t.rig.reply().outcome == Outcome::refused);  // none came
+  t.rig.stop(StopMode::immediate);
+  t.run();
+  CHECK(t.rig.station->state() == STOPPED);
+  CHECK_FALSE(t.rig.permit());
+  CHECK(t.rig.driven_outputs() == std::vector<Slot>{0, 3, 0});
+}
+
+TEST_CASE("waker is called once a cycle, after publish and before requests are serviced [SCAN-5, ASE-6]") {
+  TaskRig t;
+  t.run();
+  CHECK(t.waker.count == 1);
+  std::vector<StationState> states;
+  t.waker.on_wake = [&] {
+    StatusRecord status;
+    CHECK((t.rig.station->port().status.take(status) || !states.empty()));
+    states.push_back(t.rig.station->state());
+  };
+  t.rig.push(Verb::start);
+  t.run();
+  CHECK(states == std::vector<StationState>{STOPPED, RUNNING});  // once more for the reply
+  t.run();
+  CHECK(t.waker.count == 4);
+}
+
+TEST_CASE("task without a waker wakes nobody") {
+  TaskRig t;
+  t.task.set_waker(nullptr);
+  t.run();
+  CHECK(t.waker.count == 0);
+}
+
+TEST_CASE("stations of a task run in the written order, phase by phase, in one time [SCAN-2, SCAN-7]") {
+  StationRig a(StationRig::named("A"));
+  StationRig b(StationRig::named("B"));
+  FakeStopwatch stopwatch;
+  stopwatch.step_ns = 5;
+  Task task(options_of(OverrunPolicy::skip), {a.station.get(), b.station.get()}, stopwatch);
+  std::string order;
+  a.program->on_idle = [&](Cycle& cycle) {
+    order += "a" + std::to_string(cycle.now_ns()) + " ";
+    a.program->code = 55;
+  };
+  b.program->on_idle = [&](Cycle& cycle) {
+    order += "b" + std::to_string(cycle.now_ns());
+    CHECK_FALSE(a.station->pvs()[0]->blocks.update());  // nothing is published before all have executed
+  };
+  task.run(Schedule(0, 0, kPeriodNs), 1, kPeriodNs + 3, 0);
+  CHECK(order == "a10000003 b10000003");
+  CHECK(a.status().scan == 1);
+}
+
+/// What the architecture page says about the grid, in the plainest words, cycle by cycle.
+struct PlainGrid {
+  std::uint64_t scans = 0, misses = 0, skipped = 0, bursts = 0;
+  std::int64_t due_ns = 0, last_due_ns = -1;
+
+  void run(std::int64_t woken_ns, std::int64_t committed_ns, std::int64_t ended_ns, std::int64_t period_ns) {
+    ++scans;
+    bursts += due_ns <= last_due_ns;
+    last_due_ns = due_ns;
+    misses += committed_ns > due_ns + period_ns;
+    static_cast<void>(woken_ns);
+    due_ns += period_ns;
+    while (due_ns < ended_ns) {
+      ++skipped;
+      ++misses;
+      due_ns += period_ns;
+    }
+  }
+};
+
+TEST_CASE(
+    "a million cycles with random late wake-ups and overruns keep to the plain grid [SCAN-1, SCAN-3, "
+    "SCAN-4]") {
+  std::mt19937_64 random(2024);
+  const auto often = [&](unsigned percent) { return random() % 100 < percent; };
+  const auto below = [&](std::int64_t ns) {
+    return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(ns));
+  };
+  TaskRig t;
+  PlainGrid plain;
+  plain.due_ns = t.schedule.due_ns(t.k);
+  std::int64_t committed_ns = 0;
+  std::int64_t behind_ns = 0;
+  t.waker.on_wake = [&] {
+    committed_ns = t.stopwatch.time_ns;
+    t.stopwatch.time_ns += behind_ns;
+  };
+  std::uint64_t off_grid = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    off_grid += t.schedule.due_ns(t.k) != plain.due_ns;
+    const std::int64_t late_ns = often(2) ? below(5 * kPeriodNs) : below(kMs);
+    t.execute_ns = often(2) ? below(4 * kPeriodNs) : below(6 * kMs);
+    behind_ns = often(1) ? below(2 * kPeriodNs) : 0;
+    const std::int64_t woken_ns = plain.due_ns + late_ns;
+    t.run(late_ns);
+    plain.run(woken_ns, committed_ns, t.stopwatch.time_ns, kPeriodNs);
+  }
+  CHECK(off_grid == 0);
+  CHECK(plain.bursts == 0);
+  CHECK(t.task.figures().scans.load() == plain.scans);
+  CHECK(t.misses() == plain.misses);
+  CHECK(t.skipped() == plain.skipped);
+  CHECK(plain.skipped > 10'000);
+  CHECK(t.k == plain.scans + plain.skipped + 1);
+}
+
+}  // namespace
+}  // namespace stationd
