@@ -47,7 +47,7 @@ class Steps {
     steps_.push_back({[](UnitIo&) {}, [=](const UnitIo& io) { return io.discrete_inputs[input] == value; }});
     return *this;
   }
-  Steps& move(std::function<std::uint16_t(const UnitIo&)> target) {
+  Steps& move(const std::function<std::uint16_t(const UnitIo&)>& target) {
     const auto act = [=](UnitIo& io) {
       io.coils[co::arm_enable] = true;
       io.holding_registers[hr::arm_target] = target(io);
@@ -158,7 +158,7 @@ class Rig {
   }
   UnitIo& io(int unit) { return plant.unit(unit); }
   bool input(int unit, std::size_t index) { return plant.unit(unit).discrete_inputs[index]; }
-  const Verdict verdict() const { return plant.ledger().verdict(); }
+  Verdict verdict() const { return plant.ledger().verdict(); }
   std::uint32_t count(ViolationKind kind) const { return plant.ledger().count(kind); }
   void run_ms(std::int64_t ms) { plant.advance_to(plant.now_ns() + ms * 1'000'000); }
   /// Sets a coil and lets the plant go on.

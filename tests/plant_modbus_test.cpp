@@ -139,13 +139,14 @@ TEST_CASE(
   CHECK(ask(plant, 0, {3, 0, 0, 0, 1}) == Bytes{0x83, 0x0B});
 }
 
-TEST_CASE("Hundred thousand random frames are each answered within a frame's size (IO-5)") {
+TEST_CASE("Each of a hundred thousand random frames is answered within a frame's size (IO-5)") {
   Plant plant;
   std::mt19937 random(1);
-  std::uniform_int_distribution<unsigned> any(0, 255), function(0, 24), length(1, 253), unit(0, 5);
+  std::uniform_int_distribution<unsigned> function(0, 24), length(1, 253), unit(0, 5);
+  std::geometric_distribution<unsigned> sparse(0.3);  // small numbers: many requests come near the tables
   for (int i = 0; i < 100'000; ++i) {
     Bytes pdu(length(random));
-    for (std::uint8_t& byte : pdu) byte = static_cast<std::uint8_t>(any(random) & any(random) & any(random));
+    for (std::uint8_t& byte : pdu) byte = static_cast<std::uint8_t>(sparse(random));
     pdu[0] = static_cast<std::uint8_t>(function(random));
     Reply reply{};
     const std::size_t size = answer(plant, frame(static_cast<std::uint8_t>(unit(random)), pdu), reply);

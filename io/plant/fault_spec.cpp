@@ -74,7 +74,7 @@ FaultKind kind_of(std::string_view text) {
   if (text == "jam") return FaultKind::actuator_jammed;
   std::string allowed = "sensor, register, jam";
   for (int i = 0; i <= static_cast<int>(FaultKind::infeed_stops); ++i) {
-    const FaultKind kind = static_cast<FaultKind>(i);
+    const auto kind = static_cast<FaultKind>(i);
     if (text == name_of(kind)) return kind;
     allowed.append(", ").append(name_of(kind));
   }

@@ -83,7 +83,7 @@ void write_violations(Json& json, const Ledger& ledger) {
   json.key("violations_by_kind");
   json.open('{');
   for (std::size_t i = 0; i < kViolationKinds; ++i) {
-    const ViolationKind kind = static_cast<ViolationKind>(i);
+    const auto kind = static_cast<ViolationKind>(i);
     json.number(name_of(kind), ledger.count(kind));
   }
   json.close('}');

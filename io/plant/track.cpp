@@ -153,7 +153,7 @@ void Station::grip(const Surroundings& around) {
   const std::uint16_t at = arm_position();
   if (is_storage()) return grip_piece(around, at);
   if (at < arm::feeder_first) return;
-  const std::size_t index = static_cast<std::size_t>(at - arm::feeder_first);
+  const auto index = static_cast<std::size_t>(at - arm::feeder_first);
   if (feeders[index].level == 0) return;
   --feeders[index].level;
   const Part part = unit_ == 1   ? Part::base
@@ -179,7 +179,8 @@ void Station::grip_piece(const Surroundings& around, std::uint16_t at) {
 }
 
 void Station::release(const Surroundings& around) {
-  // Below half-way a part slides into its place: a Stop that lifts the arm while the gripper opens drops nothing.
+  // Below half-way a part slides into its place: a Stop that lifts the arm while the gripper opens drops
+  // nothing.
   const std::uint16_t at = arm_height.past_half() ? arm_position() : std::uint16_t{0};
   if (held.grip == Grip::piece) {
     if (!store_piece(around, at)) {
@@ -211,7 +212,7 @@ bool Station::store_piece(const Surroundings& around, std::uint16_t at) {
 void Station::place_part(const Surroundings& around) {
   Pallet& pallet = position.pallet;
   PalletRecord& record = around.ledger.record(pallet.number);
-  const std::size_t seat = static_cast<std::size_t>(held.part);
+  const auto seat = static_cast<std::size_t>(held.part);
   if (pallet.variant[seat] != 0) {
     around.ledger.violate(ViolationKind::seat_taken, unit_, pallet.number, around.now_ns);
     ++record.doubles;
