@@ -4,8 +4,9 @@
 Serves one unit with 200 places in each table on 127.0.0.1, on a port that the kernel picks and that is the
 first line of its output. Lines on its input, each answered by one line:
 
-    fault NAME             good, silent, close, reset, wrong-unit, wrong-transaction, wrong-function,
-                           wrong-protocol, wrong-count, wrong-echo, short, garbage, exception, drip, twice, late
+    fault NAME             good, silent, close, reset, wrong-unit, wrong-transaction,
+                           wrong-function, wrong-protocol, wrong-count, wrong-echo, short, garbage,
+                           exception, drip, twice, late
     set TABLE ADDRESS N... get TABLE ADDRESS COUNT          TABLE: co, di, hr, ir
     requests               "FUNCTION:FIRST:COUNT ..." since the last time it was asked
     connections            how many were accepted so far
