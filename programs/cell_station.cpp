@@ -88,6 +88,7 @@ CellStation::CellStation(const ProgramOptions& options, const Traits& traits)
       piece_stored(*this, "piece.stored", "the piece in work was put on its shelf"),
       piece_status(*this, "piece.status", "what is wrong with the piece in work; 0: nothing"),
       types_(options.recipes, traits.kinds, traits.press),
+      carries_pieces_(std::ranges::find(traits.kinds, Kind::piece) != traits.kinds.end()),
       step_timeout_(*this, "step_timeout", "longest time that a step may take", kStepTimeout, kTimeMin,
                     kTimeMax),
       arrival_timeout_(*this, "arrival_timeout", "longest way of a pallet from the upstream station's End",
@@ -343,7 +344,8 @@ std::uint32_t CellStation::reset_obstacle(const Cycle& cycle) noexcept {
 }
 
 std::string_view CellStation::step_name(std::uint32_t step) const noexcept {
-  if (step >= kArmStepFirst) return arm_step_name(step);
+  const bool unused = step == static_cast<std::uint32_t>(ArmStep::record_placed) && !carries_pieces_;
+  if (step >= kArmStepFirst) return unused ? std::string_view{} : arm_step_name(step);
   switch (static_cast<Step>(step)) {
     case Step::settle: return "settle";
     case Step::wait_pallet: return "wait for a pallet";

@@ -186,6 +186,7 @@ class CellStation : public Program {
   const PieceType* piece_type() const noexcept { return types_.find(piece_code_); }
 
   PieceTypes types_;
+  const bool carries_pieces_;
   std::optional<Press> press_;
   std::optional<Upstream> upstream_;
   std::optional<Downstream> downstream_;

@@ -17,27 +17,34 @@ constexpr std::int64_t kOperatorDelay_ns = 2 * kSecond;
 constexpr std::uint64_t kRetainIntervalScans = 100;
 
 const std::vector<std::string> kCommonInputs = {
-    "pallet_at_entry", "pallet_in_transfer", "pallet_in_position", "next_entry_clear", "entry_stopper_is_open",
-    "entry_stopper_is_closed", "stopper_is_open", "stopper_is_closed", "clamp_is_closed", "clamp_is_open", "arm_is_up",
-    "arm_is_down", "gripper_is_open", "gripper_is_closed", "part_in_gripper", "code_valid"};
-const std::array<std::vector<std::string>, 4> kOwnInputs = {{{"base_present"},
-                                                             {"bearing_present", "shaft_present"},
-                                                             {"lid_present", "press_is_up", "press_is_down", "lid_seated"},
-                                                             {"piece_present", "place_occupied"}}};
+    "pallet_at_entry",       "pallet_in_transfer",      "pallet_in_position", "next_entry_clear",
+    "entry_stopper_is_open", "entry_stopper_is_closed", "stopper_is_open",    "stopper_is_closed",
+    "clamp_is_closed",       "clamp_is_open",           "arm_is_up",          "arm_is_down",
+    "gripper_is_open",       "gripper_is_closed",       "part_in_gripper",    "code_valid"};
+const std::array<std::vector<std::string>, 4> kOwnInputs = {
+    {{"base_present"},
+     {"bearing_present", "shaft_present"},
+     {"lid_present", "press_is_up", "press_is_down", "lid_seated"},
+     {"piece_present", "place_occupied"}}};
 const std::array<std::vector<std::string>, 4> kRegisters = {
     {{"base_1_level", "base_2_level"},
      {"bearing_1_level", "bearing_2_level", "shaft_1_level", "shaft_2_level"},
      {"lid_1_level", "lid_2_level"},
      {"shelf_1_free", "shelf_2_free"}}};
-const std::vector<std::string> kCoils = {"conveyor",   "entry_stopper_open", "stopper_open", "clamp_close", "read_code",
-                                         "arm_enable", "arm_down",           "gripper_close"};
+const std::vector<std::string> kCoils = {"conveyor",  "entry_stopper_open", "stopper_open", "clamp_close",
+                                         "read_code", "arm_enable",         "arm_down",     "gripper_close"};
 constexpr std::size_t kGripperCoil = plant::co::gripper_close;
 
 std::vector<Recipe> recipes() {
-  const auto one = [](std::uint32_t code, std::int64_t base, std::int64_t bearing, std::int64_t shaft, std::int64_t lid,
-                      std::int64_t press_ms, std::int64_t shelf) {
-    return Recipe{code, "type " + std::to_string(code),
-                  {{"base", base}, {"bearing", bearing}, {"shaft", shaft}, {"lid", lid}, {"press_time", press_ms * kMs},
+  const auto one = [](std::uint32_t code, std::int64_t base, std::int64_t bearing, std::int64_t shaft,
+                      std::int64_t lid, std::int64_t press_ms, std::int64_t shelf) {
+    return Recipe{code,
+                  "type " + std::to_string(code),
+                  {{"base", base},
+                   {"bearing", bearing},
+                   {"shaft", shaft},
+                   {"lid", lid},
+                   {"press_time", press_ms * kMs},
                    {"shelf", shelf}}};
   };
   return {one(101, 1, 1, 1, 1, 300, 1), one(102, 2, 1, 2, 2, 500, 2), one(103, 1, 2, 2, 1, 400, 1)};
@@ -133,7 +140,8 @@ void CellHarness::kill(int number, AfterDeath after, bool last_write_made_it) {
 std::uint32_t CellHarness::step_tag(int number, const char* name) const {
   const Unit& unit = units_[index(number)];
   if (unit.station == nullptr) return 0;
-  return static_cast<std::uint32_t>(std::string_view(name) == "track_step" ? *unit.track_step : *unit.arm_step);
+  return static_cast<std::uint32_t>(std::string_view(name) == "track_step" ? *unit.track_step
+                                                                           : *unit.arm_step);
 }
 
 void CellHarness::feed_inputs(int number) {
@@ -182,7 +190,8 @@ void CellHarness::serve_retain(Unit& unit) {
   if (!urgent && unit.scan - unit.last_saved < kRetainIntervalScans) return;
   if (!link.blocks.update()) return;
   const ConstBlockView block{link.blocks.readable(), link.tags.layout};
-  unit.write = {{block.slots().begin(), block.slots().end()}, block.header().scan,
+  unit.write = {{block.slots().begin(), block.slots().end()},
+                block.header().scan,
                 unit.scan + options_.commit_after_scans};
   unit.writing = true;
 }
@@ -194,7 +203,7 @@ bool CellHarness::lost() {
 void CellHarness::deliver(const std::string& source, const std::vector<std::string>& members,
                           const std::vector<Slot>& values) {
   for (Unit& unit : units_) {
-    if (unit.station == nullptr) continue;
+    if (unit.station == nullptr || source == withheld_) continue;
     for (auto& link : unit.station->bus_inputs()) {
       if (link->source != source || lost()) continue;
       const BlockView block{link->blocks.writable(), link->tags.layout};
@@ -212,11 +221,18 @@ void CellHarness::deliver(const std::string& source, const std::vector<std::stri
   }
 }
 
+void CellHarness::count_end(Unit& unit, const PvLink& pv, ConstBlockView block) {
+  std::map<std::string, Slot> member;
+  for (std::size_t i = 0; i < pv.members.size(); ++i) member[pv.members[i]] = block.slots()[i];
+  if (member["CODE"] != 0) unit.ended[member["ERROR"] != 0 ? 1 : 0].insert({member["EPOCH"], member["SEQ"]});
+}
+
 void CellHarness::serve_bus(int number) {
   Unit& unit = units_[index(number)];
   for (auto& pv : unit.station->pvs()) {
     if (!pv->blocks.update()) continue;
     const ConstBlockView block{pv->blocks.readable(), pv->tags.layout};
+    if (pv->topic == "End") count_end(unit, *pv, block);
     deliver(pv->topic + "/" + unit.name, pv->members, {block.slots().begin(), block.slots().end()});
   }
   StatusRecord status;
@@ -328,7 +344,9 @@ bool CellHarness::run_until(const std::function<bool()>& done, std::int64_t at_m
 }
 
 bool CellHarness::run_out(std::int64_t at_most_ns) {
-  return run_until([this] { return all_pallets_done(); }, at_most_ns);
+  const bool out = run_until([this] { return all_pallets_done(); }, at_most_ns);
+  run_until([] { return false; }, 5 * kSecond);  // the last End, the last empty pallet
+  return out;
 }
 
 std::string CellHarness::complaint() const {
@@ -346,15 +364,20 @@ std::string CellHarness::complaint() const {
   say(v.dropped_parts != 0, "dropped parts", v.dropped_parts);
   say(v.dropped_pieces != 0, "dropped pieces", v.dropped_pieces);
   say(v.stored_right + v.removed != v.pallets, "stored right", v.stored_right);
+  say(ended(kStorage, false) != v.stored, "Ends of storage",
+      static_cast<std::uint32_t>(ended(kStorage, false)));
   for (const plant::Violation& violation : plant_.ledger().violations())
-    text += std::string(plant::name_of(violation.kind)) + " at unit " + std::to_string(violation.unit) + ", " +
-            std::to_string(violation.at_ns / kMs) + " ms; ";
+    text += std::string(plant::name_of(violation.kind)) + " at unit " + std::to_string(violation.unit) +
+            ", " + std::to_string(violation.at_ns / kMs) + " ms; ";
   if (!text.empty()) {
     for (const Unit& unit : units_) {
       text += "\n  " + unit.name + ": ";
-      if (unit.station == nullptr) text += "dead";
-      else text += std::string(name_of(unit.station->state())) + ", track " + std::to_string(*unit.track_step) +
-                ", arm " + std::to_string(*unit.arm_step) + ", fault " + std::to_string(unit.station->active_fault());
+      if (unit.station == nullptr)
+        text += "dead";
+      else
+        text += std::string(name_of(unit.station->state())) + ", track " + std::to_string(*unit.track_step) +
+                ", arm " + std::to_string(*unit.arm_step) + ", fault " +
+                std::to_string(unit.station->active_fault());
       for (const auto& [raised_code, count] : unit.raised)
         text += " [" + std::to_string(raised_code) + " x" + std::to_string(count) + "]";
     }

@@ -75,6 +75,8 @@ class CellHarness {
   void revive(int unit, bool cold = false);
   /// The field device of that unit does not answer.
   void cut_device(int unit, bool cut) { units_[index(unit)].cut = cut; }
+  /// No sample of that source ("End/loader") arrives anywhere; empty: all do.
+  void withhold(const std::string& source) { withheld_ = source; }
   void set_samples_lost(double share) { options_.samples_lost = share; }
 
   // -- people ----------------------------------------------------------------------------------------------------------
@@ -86,9 +88,16 @@ class CellHarness {
   /// Codes of faults (and warnings) raised so far, by unit.
   const std::map<std::uint32_t, int>& raised(int unit) const { return units_[index(unit)].raised; }
   int faults_raised() const;
+  /// Pieces that the station's End named, each once: with an error or without.
+  std::size_t ended(int unit, bool with_error) const {
+    return units_[index(unit)].ended[with_error ? 1 : 0].size();
+  }
 
  private:
-  struct Write { std::vector<Slot> slots; std::uint64_t scan = 0, done_at = 0; };
+  struct Write {
+    std::vector<Slot> slots;
+    std::uint64_t scan = 0, done_at = 0;
+  };
   struct Unit {
     std::string name;
     std::unique_ptr<Station> station;
@@ -110,9 +119,13 @@ class CellHarness {
     Slot* arm_step = nullptr;
     std::set<std::uint32_t> visited;
     std::map<std::uint32_t, int> raised;
+    std::array<std::set<std::pair<Slot, Slot>>, 2> ended;
   };
   /// The newest sample of one topic of one station, by member.
-  struct Sample { std::map<std::string, Slot> members; std::uint64_t count = 0; };
+  struct Sample {
+    std::map<std::string, Slot> members;
+    std::uint64_t count = 0;
+  };
 
   static std::size_t index(int unit) { return static_cast<std::size_t>(unit - 1); }
   std::uint32_t step_tag(int unit, const char* name) const;
@@ -120,8 +133,10 @@ class CellHarness {
   void drive_outputs(int unit);
   void serve_retain(Unit& unit);
   void serve_bus(int unit);
-  void deliver(const std::string& source, const std::vector<std::string>& members, const std::vector<Slot>& values);
+  void deliver(const std::string& source, const std::vector<std::string>& members,
+               const std::vector<Slot>& values);
   void collect_events(Unit& unit);
+  void count_end(Unit& unit, const PvLink& pv, ConstBlockView block);
   void act_as_people();
   void answer(int unit, std::uint32_t code);
   bool lost();
@@ -132,6 +147,7 @@ class CellHarness {
   std::int64_t now_ns_ = 0;
   std::uint64_t orders_ = 0;
   std::uint64_t deliveries_ = 0;
+  std::string withheld_;
   std::mt19937_64 random_;
 };
 

@@ -16,9 +16,10 @@ TEST_CASE("Cell assembling 1,000 mixed pieces stores every piece once, right, wi
   CellHarness cell(options);
   const auto begin = std::chrono::steady_clock::now();
   const bool out = cell.run_out(20'000 * kSecond);
-  const auto took = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
-  std::printf("1,000 pieces: %lld s of plant time in %lld ms\n", static_cast<long long>(cell.now_ns() / kSecond),
-              static_cast<long long>(took.count()));
+  const auto took =
+      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begin);
+  std::printf("1,000 pieces: %lld s of plant time in %lld ms\n",
+              static_cast<long long>(cell.now_ns() / kSecond), static_cast<long long>(took.count()));
   CHECK(out);
   CHECK(cell.complaint() == "");
   CHECK(cell.faults_raised() == 0);
