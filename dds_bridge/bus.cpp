@@ -60,6 +60,15 @@ bool Bus::own(const Origin& origin) const noexcept {
          static_cast<std::uint32_t>(origin.writer_low >> 32U) == impl_->participant.prefix_low();
 }
 
+Origin Bus::self() const noexcept {
+  Origin origin;
+  origin.writer_high = impl_->participant.prefix_high();
+  origin.writer_low = std::uint64_t{impl_->participant.prefix_low()} << 32U;
+  return origin;
+}
+
+const Options& Bus::options() const noexcept { return impl_->participant.options; }
+
 std::vector<EndpointQos> Bus::endpoints() const {
   std::vector<EndpointQos> list;
   impl_->writers.describe(list);

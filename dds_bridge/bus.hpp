@@ -103,6 +103,9 @@ class Bus {
   int matched_readers(const std::string& topic) const;
   /// Whether a sample of that origin was written by this very Bus.
   bool own(const Origin& origin) const noexcept;
+  /// What every GUID of this Bus begins with, as an Origin: `writer_high` and the upper half of `writer_low`.
+  Origin self() const noexcept;
+  const Options& options() const noexcept;
   /// All endpoints that exist by now.
   std::vector<EndpointQos> endpoints() const;
 

@@ -30,6 +30,26 @@ struct BridgedStation {
 struct BridgeOptions {
   std::string controller;
   std::int64_t status_period_ns = 100'000'000;  ///< Status is repeated at least so often
+  /// After start() nothing is published and no Start or Msg is taken for so long, while the bridge looks
+  /// whether another daemon publishes the Status of one of its stations. Stop is always taken. 0: not at all.
+  std::int64_t listen_ns = 400'000'000;
+  /// A duplicate found within this time after start() makes this side, the newcomer, give way; see
+  /// duplicate_station(). One that turns up later (two halves of a network that meet again) is logged on both
+  /// sides.
+  std::int64_t newcomer_ns = 3'000'000'000;
+  std::size_t event_backlog = 4096;  ///< events kept while readers do not take them; then the oldest are lost
+  /// Called once, on the bus-in thread, when duplicate_station() gets its name. May be unset.
+  std::function<void(const std::string& station, const std::string& controller)> on_duplicate = {};
+};
+
+/// Counted since start; exact, while the log is throttled.
+struct BridgeFigures {
+  std::uint64_t orders_refused =
+      0;  ///< Start, Stop, Msg that named something unknown or contradicted their topic
+  std::uint64_t orders_busy = 0;     ///< Start and Msg that found the station's request ring full
+  std::uint64_t events_waiting = 0;  ///< not yet taken over by DDS
+  std::uint64_t events_lost = 0;     ///< pushed out of the backlog; their gap in SEQ shows
+  std::uint64_t replies_lost = 0;    ///< written without success
 };
 
 /// A line for the log, from any of the bridge's threads: severity 0 debug .. 3 error.
@@ -47,6 +67,11 @@ class StationBridge {
   void start();
   /// Sends what waits (bounded to 500 ms), announces nothing more, joins the threads.
   void stop() noexcept;
+
+  /// The station that another daemon in the cell runs as well, found while this one was new: give up, with a
+  /// message and an exit status. The bridge publishes nothing more. Empty: none. Any thread.
+  std::string duplicate_station() const;
+  BridgeFigures figures() const noexcept;
 
  private:
   struct Impl;

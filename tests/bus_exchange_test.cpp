@@ -35,8 +35,6 @@ TEST_CASE("pv_topics when written then arrive with every member [PV-5]") {
   REQUIRE(matched(cell.sender, "Status"));
 
   Set set{"loader", 101, true, 7, 3, 42};
-  CHECK(cell.sender.write(set));
-  CHECK(cell.sender.write(End{"robot", 102, true, 2101, 4, 5}));
   Status status;
   status.STATION = "sealer";
   status.STATE = 1;
@@ -46,19 +44,22 @@ TEST_CASE("pv_topics when written then arrive with every member [PV-5]") {
   status.STEP_NAME = "press";
   status.REALTIME = "FIFO 80";
   status.SOURCE_TIME = -1;
-  CHECK(cell.sender.write(status));
-
-  REQUIRE(sets.wait_for(1));
+  // Best effort: a sample that overtakes the reader's own discovery is lost, so it is repeated, as in the
+  // cell.
+  REQUIRE(eventually([&] {
+    CHECK(cell.sender.write(set));
+    CHECK(cell.sender.write(End{"robot", 102, true, 2101, 4, 5}));
+    CHECK(cell.sender.write(status));
+    return sets.size() > 0 && ends.size() > 0 && states.size() > 0;
+  }));
   CHECK(sets.all()[0].STATION == "loader");
   CHECK(sets.all()[0].CODE == 101);
   CHECK(sets.all()[0].ERROR);
   CHECK(sets.all()[0].STATUS == 7);
   CHECK(sets.all()[0].EPOCH == 3);
   CHECK(sets.all()[0].SEQ == 42);
-  REQUIRE(ends.wait_for(1));
   CHECK(ends.all()[0].CODE == 102);
   CHECK(ends.all()[0].STATUS == 2101);
-  REQUIRE(states.wait_for(1));
   CHECK(states.all()[0].SCANS == 1ULL << 40U);
   CHECK(states.all()[0].READY);
   CHECK(states.all()[0].STEP_NAME == "press");
@@ -137,19 +138,19 @@ TEST_CASE("content_filter when another station is named then its samples do not 
   cell.sender.prepare_writers({"Set", "Stop"});
   REQUIRE(matched(cell.sender, "Set"));
   REQUIRE(matched(cell.sender, "Stop"));
-  CHECK(cell.sender.write(Set{"robot", 1}));
-  CHECK(cell.sender.write(Set{"loader", 1}));
-  CHECK(cell.sender.write(Set{"sealer", 1}));
-  CHECK(cell.sender.write(Set{"storage", 1}));
   CHECK(cell.sender.write_stop({"loader", "", Order::STOP}));
   CHECK(cell.sender.write_stop({"robot", "", Order::STOP}));
   CHECK(eventually([&] {
+    for (const char* station : {"robot", "loader", "sealer", "storage"}) {
+      CHECK(cell.sender.write(Set{station, 1}));
+    }
     const auto is = [&](const char* text) {
       return got.any([&](const std::string& s) { return s == text; });
     };
     return is("set loader") && is("set sealer") && is("stop robot");
   }));
-  CHECK(got.size() == 3);
+  CHECK_FALSE(got.any(
+      [](const std::string& s) { return s == "set robot" || s == "set storage" || s == "stop loader"; }));
 }
 
 TEST_CASE("stop when Starts wait before it then is handed out first with its place in the order [REQ-2]") {
@@ -200,8 +201,10 @@ TEST_CASE("oversized key when written then is refused and counted, and nothing s
   CHECK_FALSE(cell.sender.write(Set{std::string(300, 'x'), 1}));
   CHECK_FALSE(cell.sender.write(Set{std::string(100'000, 'x'), 1}));
   CHECK(cell.sender.failures() == 2);
-  CHECK(cell.sender.write(Set{std::string(255, 'x'), 1}));
-  CHECK(sets.wait_for(1));
+  CHECK(eventually([&] {
+    CHECK(cell.sender.write(Set{std::string(255, 'x'), 1}));
+    return sets.size() > 0;
+  }));
 }
 
 TEST_CASE("bus when its interface does not exist then says so [SYS]") {

@@ -1,0 +1,185 @@
+#include "dds_bridge/bus_out.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "dds_bridge/values.hpp"
+#include "scan/codes.hpp"
+
+namespace stationd::bus {
+namespace {
+
+constexpr std::int64_t kStalled = 500'000'000;
+
+/// What an observer waits for: a change of it is sent at once.
+bool same(const StatusRecord& a, const StatusRecord& b) {
+  return a.state == b.state && a.cause == b.cause && a.ready == b.ready && a.epoch == b.epoch &&
+         a.fault == b.fault && a.warning == b.warning && a.step == b.step && a.piece == b.piece;
+}
+
+}  // namespace
+
+BusOut::BusOut(Context& context, EventWriter& events) : context_(context), events_(events) {
+  for (const auto& entry : context_.stations) {
+    Out out{.entry = entry.get(), .pvs = {}, .record = {}, .status = {}};
+    for (const auto& link : entry->station->pvs()) out.pvs.push_back(make_pv(*entry->station, *link));
+    outs_.push_back(std::move(out));
+  }
+}
+
+BusOut::Pv BusOut::make_pv(const Station& station, PvLink& link) const {
+  const std::string what = "station " + station.name() + ", PV " + link.topic;
+  const TopicInfo* info = find_topic(link.topic);
+  if (info == nullptr || info->service != Service::pv || info->id == TopicId::status) {
+    throw BusError(what + ": a station publishes Set or End");
+  }
+  auto maps = map_fields(*info->type, link.members, link.tags, station.image(), false, what);
+  return {&link, info, std::move(maps), Object(*info->type)};
+}
+
+std::vector<std::string> BusOut::topics() const {
+  std::vector<std::string> names;
+  for (const Out& out : outs_) {
+    for (const Pv& pv : out.pvs) {
+      const std::string name(pv.topic->name);
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+/// In the order of the paper's priorities: events of all stations, then PVs, then replies.
+void BusOut::pass(std::int64_t now_ns) {
+  if (!context_.quiet()) {  // a duplicate's events would carry another's (STATION, EPOCH, SEQ)
+    for (Out& out : outs_) send_events(out);
+  }
+  for (Out& out : outs_) {
+    send_pvs(out);
+    send_status(out, now_ns);
+  }
+  for (Out& out : outs_) send_replies(out);
+}
+
+void BusOut::send_events(Out& out) {
+  const Station& station = *out.entry->station;
+  Event event;
+  while (out.entry->station->port().events.pop(event)) {
+    Gse gse;
+    gse.ERROR = event.active && event.severity != Severity::info;
+    gse.STATUS = event.code;
+    gse.STATION = station.name();
+    gse.EPOCH = station.epoch();
+    gse.SEQ = event.seq;
+    gse.SEVERITY = static_cast<std::uint32_t>(event.severity);
+    gse.ACTIVE = event.active;
+    gse.EDGE = event.edge;
+    gse.SOURCE_TIME = event.utc_ns;
+    gse.DETAIL = event.detail;
+    const CodeInfo* info = find_code(event.code);
+    gse.TEXT = info == nullptr ? code_text(event.code) : clipped(info->name, kTextBound);
+    events_.put(std::move(gse));
+  }
+}
+
+void BusOut::send_pvs(Out& out) {
+  for (Pv& pv : out.pvs) {
+    if (!pv.link->blocks.update() || context_.quiet()) continue;
+    const ConstBlockView block{pv.link->blocks.readable(), pv.link->tags.layout};
+    void* object = pv.object.data;
+    pv.topic->type->reset(object);
+    for (const FieldMap& map : pv.maps) store(map, block.slots().data(), object);
+    if (pv.topic->id == TopicId::set) {
+      auto& set = *static_cast<Set*>(object);
+      set.STATION = out.entry->station->name();
+      context_.bus.write(set);
+    } else {
+      auto& end = *static_cast<End*>(object);
+      end.STATION = out.entry->station->name();
+      context_.bus.write(end);
+    }
+  }
+}
+
+void BusOut::send_status(Out& out, std::int64_t now_ns) {
+  const StatusRecord before = out.record;
+  if (out.entry->station->port().status.take(out.record)) {
+    const bool first = out.record_ns == 0;
+    out.record_ns = now_ns;
+    if (first || !same(before, out.record)) out.sent_ns = 0;  // at once
+  }
+  if (out.record_ns == 0) return;
+  if (out.sent_ns != 0 && now_ns - out.sent_ns < context_.options.status_period_ns) return;
+  // A scan that says nothing any more is not spoken for: its observers shall see it go stale.
+  if (out.sent_ns != 0 && now_ns - out.record_ns > std::max(kStalled, 3 * out.status.PERIOD_NS)) return;
+  fill_status(out);
+  out.sent_ns = now_ns;
+  if (!context_.quiet()) context_.bus.write(out.status);
+}
+
+void BusOut::fill_status(Out& out) {
+  Station& station = *out.entry->station;
+  const StatusRecord& record = out.record;
+  const TaskFigures figures = out.entry->figures ? out.entry->figures() : TaskFigures{};
+  Status& status = out.status;
+  status.STATION = station.name();
+  status.STATE = static_cast<std::uint32_t>(record.state);
+  status.EPOCH = record.epoch;
+  status.READY = record.ready;
+  status.FAULT = record.fault;
+  status.CONTROLLER = clipped(context_.options.controller, kNameBound);
+  status.SCANS = record.scan;
+  status.DEADLINE_MISSES = record.deadline_misses;
+  status.WARNING = record.warning;
+  status.STOP_CAUSE = static_cast<std::uint32_t>(record.cause);
+  status.STEP = record.step;
+  status.STEP_NAME = clipped(station.program().step_name(record.step), kTextBound);
+  status.PIECE = record.piece;
+  status.PERIOD_NS = figures.period_ns;
+  status.LATENESS_P99_NS = figures.lateness_p99_ns;
+  status.LATENESS_MAX_NS = figures.lateness_max_ns;
+  status.REALTIME = clipped(figures.realtime, kTextBound);
+  status.SOURCE_TIME = record.utc_ns;
+  const std::lock_guard lock(out.entry->mutex);
+  out.entry->status = status;
+}
+
+void BusOut::send_replies(Out& out) {
+  Reply reply;
+  while (out.entry->station->port().replies.pop(reply)) {
+    if (const auto pending = context_.pending.take(reply.token)) settle(*pending, reply);
+  }
+}
+
+/// What became of a request: a Start is logged if it was refused, the others are answered.
+void BusOut::settle(const Pending& pending, const Reply& reply) {
+  const std::string name = pending.entry->station->name();
+  const std::uint32_t refusal = reply.outcome == Outcome::done ? 0 : reply.code;
+  if (pending.request.verb == Verb::start) {
+    if (refusal != 0) {
+      const std::string from = pending.body.from.empty() ? "" : " from " + pending.body.from;
+      context_.log.say("start" + name, 1, name + ": Start" + from + " refused: " + code_with_name(refusal),
+                       monotonic_ns());
+    } else if (reply.code == 0) {
+      const std::lock_guard lock(pending.entry->mutex);
+      for (std::size_t i = 0; i < pending.request.assignment_count; ++i) {
+        pending.entry->parameters[pending.request.assignments[i].tag] = pending.request.assignments[i].value;
+      }
+    }
+    return;
+  }
+  std::string text;
+  if (refusal != 0) {
+    text = "refused: " + code_with_name(refusal);
+  } else if (pending.request.verb == Verb::get) {
+    const TagSpec& spec = pending.entry->station->image().spec(pending.request.tag);
+    text = spec.name + "=" + format_value(spec.type, reply.value) +
+           " quality=" + std::string(name_of(reply.quality));
+  } else {
+    text = "done";
+  }
+  text.append(" state=").append(name_of(reply.state));
+  context_.reply(pending.body, pending.origin, 0, refusal, text);
+}
+
+}  // namespace stationd::bus
