@@ -113,7 +113,8 @@ ExchangeResult judge(const Adu& request, std::span<const std::uint8_t> reply) no
 }
 
 bool bit_at(std::span<const std::uint8_t> reply, std::uint32_t offset) noexcept {
-  return ((reply[kReadDataAt + offset / 8] >> (offset % 8)) & 1U) != 0;
+  const unsigned byte = reply[kReadDataAt + offset / 8];
+  return ((byte >> (offset % 8)) & 1U) != 0;
 }
 
 Slot value_at(std::span<const std::uint8_t> reply, std::uint32_t offset, TagType type) noexcept {
