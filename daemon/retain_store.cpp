@@ -4,11 +4,10 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 #include "scan/error.hpp"
 
@@ -37,24 +36,69 @@ std::uint32_t checksum(const std::byte* bytes, std::size_t size) {
   return static_cast<std::uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(bytes), static_cast<uInt>(size)));
 }
 
+/// The whole content; else the errno why not.
+int read_file(const std::filesystem::path& path, std::vector<std::byte>& bytes) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return errno;
+  std::array<std::byte, 4096> part{};
+  ssize_t got = 0;
+  while ((got = read(fd, part.data(), part.size())) > 0)
+    bytes.insert(bytes.end(), part.begin(), part.begin() + got);
+  const int error = got < 0 ? errno : 0;
+  close(fd);
+  return error;
+}
+
 ReadBack read_back(const std::filesystem::path& path, std::uint64_t layout) {
   ReadBack result;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return result;
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  std::vector<std::byte> bytes;
+  const int error = read_file(path, bytes);
+  if (error == ENOENT) return result;
   result.verdict = Verdict::damaged;
-  if (bytes.size() < sizeof(FileHeader) + sizeof(std::uint32_t)) return result;
+  if (error != 0 || bytes.size() < sizeof(FileHeader) + sizeof(std::uint32_t)) return result;
   std::memcpy(&result.header, bytes.data(), sizeof(FileHeader));
   const std::size_t body = sizeof(FileHeader) + std::size_t{result.header.slots} * sizeof(Slot);
   if (result.header.magic != kMagic || bytes.size() != body + sizeof(std::uint32_t)) return result;
   std::uint32_t stored = 0;
   std::memcpy(&stored, bytes.data() + body, sizeof stored);
-  if (stored != checksum(reinterpret_cast<const std::byte*>(bytes.data()), body)) return result;
+  if (stored != checksum(bytes.data(), body)) return result;
   result.slots.resize(result.header.slots);
   if (result.header.slots != 0)
     std::memcpy(result.slots.data(), bytes.data() + sizeof(FileHeader), result.slots.size() * sizeof(Slot));
   result.verdict = result.header.layout == layout ? Verdict::valid : Verdict::other_layout;
   return result;
+}
+
+/// True once the names in the directory are on disk. Sets errno.
+bool sync_directory(const std::filesystem::path& directory) {
+  const int fd = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool synced = fsync(fd) == 0;
+  close(fd);
+  return synced;
+}
+
+bool write_and_sync(int fd, std::span<const std::byte> bytes) {
+  const auto size = static_cast<ssize_t>(bytes.size());
+  const ssize_t written = pwrite(fd, bytes.data(), bytes.size(), 0);
+  if (written >= 0 && written < size) errno = ENOSPC;
+  return written == size && ftruncate(fd, size) == 0 && fdatasync(fd) == 0;
+}
+
+/// Replaces the file's content; 0 once it is on disk, else the errno why not. Opened by name each time: a
+/// file that was moved or deleted meanwhile is made anew, and its name then has to outlive a power cut, too.
+int write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+  bool made = false;
+  int fd = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (fd < 0 && errno == ENOENT) {
+    made = true;
+    fd = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640);
+  }
+  if (fd < 0) return errno;
+  const bool written = write_and_sync(fd, bytes) && (!made || sync_directory(path.parent_path()));
+  const int error = written ? 0 : errno;
+  close(fd);
+  return error;
 }
 
 void hash_in(std::uint64_t& hash, std::string_view text) {
@@ -80,58 +124,52 @@ RetainStore::RetainStore(const std::filesystem::path& directory, std::string sta
   std::error_code e;
   std::filesystem::create_directories(directory_, e);
   if (e || access(directory_.c_str(), W_OK | X_OK) != 0)
-    throw SetupError(
-        "state directory " + directory_.string() +
-        " cannot be written: " + (e ? e.message() : std::string(std::strerror(errno))) +
-        "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
+    throw SetupError("state directory " + directory_.string() +
+                     " cannot be written: " + (e ? e.message() : std::string(std::strerror(errno))) +
+                     "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may "
+                     "write");
 }
 
-RetainStore::~RetainStore() {
-  for (const int fd : descriptors_)
-    if (fd >= 0) close(fd);
+std::filesystem::path RetainStore::path(int index) const {
+  return directory_ / (station_ + ".retained." + std::to_string(index));
 }
 
-std::filesystem::path RetainStore::path(int generation) const {
-  return directory_ / (station_ + ".retained." + std::to_string(generation & 1));
+std::string RetainStore::put_aside(int index, std::string_view why) const {
+  const std::string from = path(index).string();
+  const std::string aside = from + ".refused";
+  std::error_code e;
+  std::filesystem::rename(from, aside, e);
+  return from + std::string(why) + (e ? ", not kept aside: " + e.message() : ", kept aside as " + aside);
 }
 
 RetainStore::Loaded RetainStore::load() {
   Loaded result;
   std::uint64_t newest_valid = 0;
+  bool damaged = false;
+  const auto refuse = [&](int index, std::string_view why) {
+    result.refused += (result.refused.empty() ? "" : "; ") + put_aside(index, why);
+  };
   for (int i = 0; i < 2; ++i) {
     ReadBack back = read_back(path(i), layout_);
     if (back.verdict == Verdict::absent) continue;
-    if (back.verdict != Verdict::damaged) {
-      result.epoch = std::max(result.epoch, back.header.epoch);
-      generation_ = std::max(generation_, back.header.generation);
-    }
-    if (back.verdict == Verdict::valid) {
-      if (!result.record || back.header.generation > newest_valid)
-        result.record = RetainRecord{back.header.epoch, std::move(back.slots)};
-      newest_valid = std::max(newest_valid, back.header.generation);
+    if (back.verdict == Verdict::damaged) {
+      damaged = true;
+      refuse(i, " is damaged or truncated");
       continue;
     }
-    const auto aside = path(i).string() + ".refused";
-    std::error_code ignored;
-    std::filesystem::rename(path(i), aside, ignored);
-    result.refused +=
-        (result.refused.empty() ? "" : "; ") + path(i).string() +
-        (back.verdict == Verdict::damaged ? " is damaged or truncated" : " is of another layout") +
-        ", kept aside as " + aside;
+    result.epoch = std::max(result.epoch, back.header.epoch);
+    generation_ = std::max(generation_, back.header.generation);
+    if (back.verdict == Verdict::other_layout) {
+      refuse(i, " is of another layout");
+      continue;
+    }
+    if (result.record && back.header.generation < newest_valid) continue;
+    result.record = RetainRecord{back.header.epoch, std::move(back.slots)};
+    newest_valid = back.header.generation;
+    next_ = 1 - i;
   }
+  if (damaged && result.epoch != 0) ++result.epoch;
   return result;
-}
-
-bool RetainStore::open_file(int index) {
-  if (descriptors_[index] >= 0) return true;
-  descriptors_[index] = open(path(index).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0640);
-  if (descriptors_[index] < 0) return false;
-  // The name itself has to outlive a power cut, too.
-  const int directory = open(directory_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (directory < 0) return false;
-  const bool synced = fsync(directory) == 0;
-  close(directory);
-  return synced;
 }
 
 bool RetainStore::save(std::uint32_t epoch, std::span<const Slot> slots) {
@@ -147,15 +185,12 @@ bool RetainStore::save(std::uint32_t epoch, std::span<const Slot> slots) {
   const std::uint32_t sum = checksum(buffer_.data(), body);
   std::memcpy(buffer_.data() + body, &sum, sizeof sum);
 
-  const int index = static_cast<int>(header.generation & 1);
-  const int fd = open_file(index) ? descriptors_[index] : -1;
-  const auto size = static_cast<ssize_t>(buffer_.size());
-  if (fd < 0 || pwrite(fd, buffer_.data(), buffer_.size(), 0) != size || ftruncate(fd, size) != 0 ||
-      fdatasync(fd) != 0) {
-    error_ = path(index).string() + ": " + std::strerror(errno);
+  if (const int error = write_file(path(next_), buffer_); error != 0) {
+    error_ = path(next_).string() + ": " + std::strerror(error);
     return false;
   }
   ++generation_;
+  next_ = 1 - next_;
   return true;
 }
 

@@ -1,4 +1,5 @@
-// RetainStore: retained tags of one station in two alternating generations on disk; a torn write never hurts the older one.
+// RetainStore: retained tags of one station in two generations on disk, written in turns; a torn write never
+// hurts the older one.
 // Owned by the daemon; one for each station.
 // One plain thread at a time (set-up, then the retain thread); blocks for the disk's sync.
 #pragma once
@@ -8,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scan/image.hpp"
@@ -25,34 +27,39 @@ std::uint64_t layout_hash(const Image& image, std::span<const TagIndex> tags);
 
 class RetainStore {
  public:
-  /// Files are DIRECTORY/STATION.retained.0 and .1. Throws SetupError when the directory cannot be made or written.
+  /// Files are DIRECTORY/STATION.retained.0 and .1. Throws SetupError when the directory cannot be made or
+  /// written.
   RetainStore(const std::filesystem::path& directory, std::string station, std::uint64_t layout);
-  ~RetainStore();
   RetainStore(const RetainStore&) = delete;
   RetainStore& operator=(const RetainStore&) = delete;
 
-  /// The newer valid record. Empty: none was ever written, or `refused` says why there is no usable one; files that could not be
-  /// used are kept aside as *.refused. The epoch is told even from a record of another layout.
+  /// The newer valid record. Empty: none was ever written, or `refused` says why there is no usable one;
+  /// files that could not be used are kept aside as *.refused. The epoch is told even from a record of
+  /// another layout.
   struct Loaded {
     std::optional<RetainRecord> record;
-    std::uint32_t epoch = 0;  ///< of the newest readable record, 0: none
-    std::string refused;      ///< for the log; empty: nothing to complain of
+    /// Of the newest readable record, 0: none. One more beside a damaged file, which may have been a start
+    /// newer: no epoch is given out twice.
+    std::uint32_t epoch = 0;
+    std::string refused;  ///< for the log; empty: nothing to complain of
   };
+  /// Before the first save().
   Loaded load();
 
-  /// Writes the next generation and waits until it is on disk. False: not written (`error()` says why); the older record stays.
+  /// Writes the next generation and waits until it is on disk. False: not written (`error()` says why); the
+  /// older record stays.
   bool save(std::uint32_t epoch, std::span<const Slot> slots);
   const std::string& error() const noexcept { return error_; }
 
  private:
-  std::filesystem::path path(int generation) const;
-  bool open_file(int index);
+  std::filesystem::path path(int index) const;
+  std::string put_aside(int index, std::string_view why) const;
 
   std::filesystem::path directory_;
   std::string station_;
   std::uint64_t layout_;
-  std::uint64_t generation_ = 0;
-  int descriptors_[2] = {-1, -1};
+  std::uint64_t generation_ = 0;  // of the newest record
+  int next_ = 0;                  // file of the next one: never that of the newest valid record
   std::vector<std::byte> buffer_;
   std::string error_;
 };
