@@ -32,6 +32,8 @@ def _opens_function(head, inside_function):
         return "lambda"
     if inside_function or "(" not in head or _NOT_A_FUNCTION.match(head) or _TYPE.search(head):
         return None
+    if head.count("(") != head.count(")"):
+        return None  # an argument in braces: the `{` stands inside a call
     if re.search(r"=\s*$", head) or re.match(r"^(class|struct|union|enum)\b", head):
         return None
     return _name(head)
