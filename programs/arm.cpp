@@ -6,6 +6,9 @@ namespace stationd::programs {
 namespace {
 
 // A switch counts only when its opposite agrees: a stuck one stops the arm instead of crashing it.
+constexpr std::int64_t kKeep_ns =
+    100'000'000;  // for the command to reach the gripper before the fault cuts it off
+
 bool is_up(const ArmInputs& in) noexcept { return in.up && !in.down; }
 bool is_down(const ArmInputs& in) noexcept { return in.down && !in.up; }
 
@@ -32,6 +35,7 @@ std::string_view arm_step_name(std::uint32_t step) noexcept {
     case ArmStep::let_go: return "arm: let go";
     case ArmStep::record_placed: return "arm: record that it was put down";
     case ArmStep::rise: return "arm: rise";
+    case ArmStep::keep: return "arm: close again";
   }
   return {};
 }
@@ -39,6 +43,7 @@ std::string_view arm_step_name(std::uint32_t step) noexcept {
 void Arm::restart(const ArmInputs& in, const Errand& held, std::int64_t clock_ns) noexcept {
   clock_ns_ = clock_ns;
   errand_ = held;
+  position_seen_ = 0;
   out_ = {};
   out_.close = in.part || !in.gripper_open;
   out_.target = in.position == 0 ? kArmHome : in.position;
@@ -71,12 +76,17 @@ std::uint32_t Arm::run(const ArmInputs& in, const ArmPermits& may, std::int64_t 
                        std::int64_t timeout_ns) noexcept {
   clock_ns_ = clock_ns;
   if (const std::uint32_t wrong = check(in); wrong != 0) return wrong;
+  position_seen_ = in.position;
   const ArmStep before = step_;
   out_.enable = false;
   if (const std::uint32_t wrong = advance(in, may); wrong != 0) return wrong;
   drive();
   if (waits(may)) entered_ns_ = clock_ns_;
-  if (step_ == before && clock_ns_ - entered_ns_ > timeout_ns) return timed_out(in);
+  if (step_ != before || clock_ns_ - entered_ns_ <= timeout_ns) return 0;
+  if (step_ != ArmStep::let_go || !in.part || in.gripper_open) return timed_out(in);
+  kept_fault_ = timed_out(in);
+  go(ArmStep::keep);
+  drive();
   return 0;
 }
 
@@ -86,6 +96,10 @@ std::uint32_t Arm::check(const ArmInputs& in) const noexcept {
   if (carries && !in.part) return errand_.kind == Kind::piece ? code::piece_lost : code::part_lost;
   const bool empty = step_ >= ArmStep::open_empty && step_ <= ArmStep::record_pick;
   if (empty && in.part) return code::gripper_unknown_part;
+  const bool lowered = step_ == ArmStep::grip || step_ == ArmStep::let_go || step_ == ArmStep::record_placed;
+  if (lowered && in.up) return code::end_switches_conflict;
+  // Between two positions the reading is 0; the device is read several times on the way.
+  if (position_seen_ != 0 && in.position != 0 && in.position != position_seen_) return code::arm_astray;
   const bool stands = (step_ >= ArmStep::lower_to_pick && step_ <= ArmStep::lift) ||
                       (step_ >= ArmStep::lower_to_place && step_ <= ArmStep::rise);
   if (stands && in.position != out_.target) return code::arm_astray;
@@ -189,6 +203,9 @@ std::uint32_t Arm::deliver(const ArmInputs& in, const ArmPermits& may) noexcept 
     case ArmStep::record_placed:
       if (may.recorded) go(ArmStep::rise);
       break;
+    case ArmStep::keep:
+      if (in.gripper_closed && clock_ns_ - entered_ns_ > kKeep_ns) return kept_fault_;
+      break;
     default:  // rise
       if (!is_up(in)) break;
       errand_ = {};
@@ -201,9 +218,9 @@ std::uint32_t Arm::deliver(const ArmInputs& in, const ArmPermits& may) noexcept 
 /// Height and gripper follow from the step alone; sideways is move()'s.
 void Arm::drive() noexcept {
   out_.down = step_ == ArmStep::lower_to_pick || step_ == ArmStep::grip || step_ == ArmStep::lower_to_place ||
-              step_ == ArmStep::let_go || step_ == ArmStep::record_placed;
+              step_ == ArmStep::let_go || step_ == ArmStep::record_placed || step_ == ArmStep::keep;
   if (step_ == ArmStep::raise) return;  // the gripper stays as it was found
-  out_.close = step_ >= ArmStep::grip && step_ <= ArmStep::lower_to_place;
+  out_.close = (step_ >= ArmStep::grip && step_ <= ArmStep::lower_to_place) || step_ == ArmStep::keep;
 }
 
 /// Steps that wait for something that is not the arm's to bring about have no time-out.
@@ -231,6 +248,7 @@ std::uint32_t Arm::timed_out(const ArmInputs& in) const noexcept {
     case ArmStep::grip: return in.gripper_closed ? code::pick_failed : code::gripper_jammed;
     case ArmStep::let_go: return in.gripper_open ? code::place_failed : code::gripper_jammed;
     case ArmStep::wait_target: return code::place_taken;
+    case ArmStep::keep: return kept_fault_;
     default: return code::step_timeout;
   }
 }

@@ -75,9 +75,10 @@ enum class ArmStep : std::uint8_t {
   lower_to_place,
   let_go,
   record_placed,
-  rise
+  rise,
+  keep  ///< letting go failed: close again, so that nothing falls when the fault lifts the arm
 };
-inline constexpr std::uint32_t kArmStepFirst = 50, kArmStepLast = 67;
+inline constexpr std::uint32_t kArmStepFirst = 50, kArmStepLast = 68;
 
 /// "arm: raise", ...; empty for a number that is no step.
 std::string_view arm_step_name(std::uint32_t step) noexcept;
@@ -91,6 +92,9 @@ class Arm {
   /// One scan. Returns the code of a fault, 0 if there is none.
   std::uint32_t run(const ArmInputs& in, const ArmPermits& may, std::int64_t clock_ns,
                     std::int64_t timeout_ns) noexcept;
+
+  /// The inputs were not to be seen for a while: what moved meanwhile is no fault.
+  void look_away() noexcept { position_seen_ = 0; }
 
   const ArmOutputs& outputs() const noexcept { return out_; }
   ArmStep step() const noexcept { return step_; }
@@ -119,6 +123,8 @@ class Arm {
   Errand errand_;
   ArmOutputs out_;
   Record asks_ = Record::none;
+  std::uint16_t position_seen_ = 0;  // last position read, 0: between, or unknown
+  std::uint32_t kept_fault_ = 0;     // raised when the gripper is closed again
   std::int64_t clock_ns_ = 0;
   std::int64_t entered_ns_ = 0;
 };

@@ -203,6 +203,7 @@ bool CellStation::inputs_usable(Cycle& cycle) noexcept {
     return !failed_;
   }
   paused_ = true;
+  arm_.look_away();
   const bool coming = !derived_ && cycle.now_ns() - started_ns_ <= step_timeout_.get().ns;
   if (!coming && worst == Quality::BAD) fail(cycle, code::inputs_lost);
   return false;

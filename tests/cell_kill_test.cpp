@@ -88,10 +88,23 @@ int kill_in_every_step(int unit) {
         REQUIRE(run_into(cell, before));
         kill_and_revive(cell, {unit}, before.after, false);
       }
+      if (step == 68) {  // entered only when the gripper does not open
+        Death before = death;
+        before.step = 65;
+        before.scans_later = 0;
+        REQUIRE(run_into(cell, before));
+        plant::Fault jam;
+        jam.kind = plant::FaultKind::actuator_jammed;
+        jam.unit = unit;
+        jam.index = plant::co::gripper_close;
+        cell.plant().inject(jam);
+        death.occurrence = 1;
+      }
       if (!run_into(cell, death)) continue;
       died_in.insert(step);
       kill_and_revive(cell, {unit}, death.after, death.last_write_made_it);
       cell.withhold("");
+      cell.plant().clear_faults();
       cell.run_out(kRun_ns);
       ++runs;
       INFO("unit ", unit, ", step ", step, ", variant ", variant);
