@@ -4,3 +4,4 @@ target_link_libraries(cell_harness PRIVATE stationd_warnings PUBLIC stationd_pro
 stationd_test(cell_run_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_run_test.cpp LIBS cell_harness)
 stationd_test(cell_kill_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_kill_test.cpp LIBS cell_harness)
 stationd_test(cell_fault_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_fault_test.cpp LIBS cell_harness)
+stationd_test(cell_parts_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_parts_test.cpp LIBS stationd_programs)
