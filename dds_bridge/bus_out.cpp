@@ -87,18 +87,20 @@ void BusOut::send_pvs(Out& out) {
     if (!pv.link->blocks.update() || context_.quiet()) continue;
     const ConstBlockView block{pv.link->blocks.readable(), pv.link->tags.layout};
     void* object = pv.object.data;
-    pv.topic->type->reset(object);
-    for (const FieldMap& map : pv.maps) store(map, block.slots().data(), object);
-    if (pv.topic->id == TopicId::set) {
-      auto& set = *static_cast<Set*>(object);
-      set.STATION = out.entry->station->name();
-      context_.bus.write(set);
-    } else {
-      auto& end = *static_cast<End*>(object);
-      end.STATION = out.entry->station->name();
-      context_.bus.write(end);
-    }
+    const Slot* slots = block.slots().data();
+    if (pv.topic->id == TopicId::set)
+      send_pv(pv, *out.entry->station, slots, *static_cast<Set*>(object));
+    else
+      send_pv(pv, *out.entry->station, slots, *static_cast<End*>(object));
   }
+}
+
+template <class T> void BusOut::send_pv(const Pv& pv, const Station& station, const Slot* slots, T& message) {
+  message = T{};
+  message.STATION = station.name();
+  message.EPOCH = station.epoch();  // unless the program has a member for it
+  for (const FieldMap& map : pv.maps) store(map, slots, &message);
+  context_.bus.write(message);
 }
 
 void BusOut::send_status(Out& out, std::int64_t now_ns) {

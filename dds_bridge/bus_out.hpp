@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dds_bridge/bridge_context.hpp"
@@ -54,6 +55,7 @@ class BusOut {
   Pv make_pv(const Station& station, PvLink& link) const;
   void send_events(Out& out);
   void send_pvs(Out& out);
+  template <class T> void send_pv(const Pv& pv, const Station& station, const Slot* slots, T& message);
   void send_status(Out& out, std::int64_t now_ns);
   void fill_status(Out& out);
   void send_replies(Out& out);

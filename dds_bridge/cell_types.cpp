@@ -169,7 +169,9 @@ std::string cell_idl() {
   std::string idl =
       "// The cell's topics: Calvo et al. 2013, Table 4, with what was appended to it. Members may be "
       "appended at the\n"
-      "// end, never put before or between. Topic and type:\n";
+      "// end, never put before or between. Encoding: XCDR1. Partition of publishers and subscribers: the "
+      "cell's name.\n"
+      "// Topic and type:\n";
   for (const TopicInfo& info : topics()) {
     idl.append("//   ")
         .append(info.name)
