@@ -3,29 +3,20 @@
 #include <charconv>
 #include <vector>
 
+#include "dds_bridge/body.hpp"
 #include "scan/codes.hpp"
 #include "supervisor/text.hpp"
 
 namespace stationd::supervisor {
 namespace {
 
-using Words = std::vector<std::string_view>;
+using Words = std::vector<std::string>;
+
+constexpr std::size_t kMaxBodyBytes = 8192;
 
 constexpr std::string_view kHelp =
     "describe CODE: what a code means, its cause and remedy | status STATION: what is known of a station | "
     "status: of all | pieces: counts by station | role: whether this supervisor commands | help";
-
-/// The body's words without the addressing (`from=`, `id=`).
-Words words_of(std::string_view body) {
-  Words words;
-  while (!body.empty()) {
-    const std::size_t blank = body.find(' ');
-    const std::string_view word = body.substr(0, blank);
-    if (!word.empty() && !word.starts_with("from=") && !word.starts_with("id=")) words.push_back(word);
-    body.remove_prefix(blank == std::string_view::npos ? body.size() : blank + 1);
-  }
-  return words;
-}
 
 struct Answer {
   std::string text;
@@ -113,17 +104,21 @@ Answer answer_words(const Model& model, const Words& words, std::int64_t now_ns)
 }  // namespace
 
 bus::MsgRes answer(const Model& model, const bus::MsgReq& request, std::int64_t now_ns) {
-  Answer said = request.ORDER == bus::Order::MSG
-                    ? answer_words(model, words_of(request.BODY), now_ns)
-                    : refused(code::order_refused, "this topic takes ORDER MSG alone");
+  const bus::Body body = bus::parse_body(request.BODY, kMaxBodyBytes);
+  Answer said;
+  if (request.ORDER != bus::Order::MSG) {
+    said = refused(code::order_refused, "this topic takes ORDER MSG alone");
+  } else if (!body.ok()) {
+    said = refused(code::body_invalid, body.problem);
+  } else {
+    said = answer_words(model, body.words, now_ns);
+  }
   bus::MsgRes reply;
-  reply.DEST_STATION = body_value(request.BODY, "from");
+  reply.DEST_STATION = body.from;
   reply.CODE = said.code;
   reply.ERROR = said.refusal != 0;
   reply.STATUS = said.refusal;
-  const std::string_view id = body_value(request.BODY, "id");
-  if (!id.empty()) reply.BODY = "id=" + std::string(id) + (said.text.empty() ? "" : " ");
-  reply.BODY += said.text;
+  reply.BODY = bus::clipped(bus::reply_prefix(body) + said.text, kMaxBodyBytes);
   return reply;
 }
 

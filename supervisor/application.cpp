@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "dds_bridge/body.hpp"
 #include "supervisor/answers.hpp"
 #include "supervisor/live.hpp"
 
@@ -128,16 +129,16 @@ void Application::feed(const Received& received) {
     void operator()(const bus::End& m) const { app.model_.on_end(m, at_ns); }
     void operator()(const bus::Status& m) const { app.model_.on_status(m, at_ns); }
     void operator()(const bus::Gse& m) const { app.model_.on_gse(m, at_ns); }
-    void operator()(const Received::Start& m) const { app.model_.on_start(m.order, at_ns); }
-    void operator()(const Received::Stop& m) const { app.model_.on_stop(m.order, at_ns); }
+    void operator()(const Received::Start& m) const { app.model_.on_start(m.order, origin.order); }
+    void operator()(const Received::Stop& m) const { app.model_.on_stop(m.order, origin.order, at_ns); }
     void operator()(const Received::Request& m) const { app.answer_request(m.request, origin); }
     void operator()(const Received::Alive& m) const { app.model_.on_liveliness(m.topic, m.alive, at_ns); }
     void operator()(const Received::Incompatible& m) const {
       app.own_notes_.push_back("a peer of topic " + m.topic + " is not compatible: " + m.policy);
     }
     void operator()(const bus::MsgRes& m) const {
-      if (app.role_settled_ || body_value(m.BODY, "id") != std::string(kProbePrefix) + app.instance_) return;
-      if (body_value(m.BODY, "role") != "commanding") return;
+      if (app.role_settled_) return;
+      if (m.BODY != "id=" + std::string(kProbePrefix) + app.instance_ + " role=commanding") return;
       app.own_notes_.push_back("another supervisor of this name commands the cell");
       app.role_settled_ = true;
     }
@@ -146,7 +147,8 @@ void Application::feed(const Received& received) {
 }
 
 void Application::answer_request(const bus::MsgReq& request, const bus::Origin& origin) {
-  std::string_view id = body_value(request.BODY, "id");
+  const bus::Body body = bus::parse_body(request.BODY, request.BODY.size());
+  std::string_view id = body.id;
   if (id.starts_with(kProbePrefix)) {
     id.remove_prefix(kProbePrefix.size());
     if (id == instance_) return;  // our own question

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dds_bridge/body.hpp"
 #include "supervisor/text.hpp"
 
 namespace stationd::supervisor {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxStations = 1000;  // names come over the network
 constexpr std::size_t kMaxNotes = 1000;
+constexpr std::size_t kMaxBodyBytes = 1 << 20;  // the bus has judged it
 
 std::uint32_t number_of(StationState state) { return static_cast<std::uint32_t>(state); }
 std::uint32_t number_of(StopCause cause) { return static_cast<std::uint32_t>(cause); }
@@ -19,17 +21,6 @@ bool is_stopped(const bus::Status& status, StopCause cause) {
 }
 
 }  // namespace
-
-std::string_view body_value(std::string_view body, std::string_view key) {
-  while (!body.empty()) {
-    const std::size_t blank = body.find(' ');
-    const std::string_view word = body.substr(0, blank);
-    if (word.size() > key.size() && word.starts_with(key) && word[key.size()] == '=')
-      return word.substr(key.size() + 1);
-    body.remove_prefix(blank == std::string_view::npos ? body.size() : blank + 1);
-  }
-  return {};
-}
 
 Model::Model(ModelOptions options, const SavedState& saved)
     : options_(std::move(options)), events_(options_.events_kept) {
@@ -180,25 +171,27 @@ void Model::on_gse(const bus::Gse& gse, std::int64_t now_ns) {
   note("event " + event_text(record));
 }
 
-void Model::on_start(const bus::MsgReq& order, std::int64_t) {
-  if (body_value(order.BODY, "from") == options_.name) return;
+void Model::on_start(const bus::MsgReq& order, std::uint64_t receipt_number) {
   StationRecord* station = find(order.DEST_STATION);
-  if (station == nullptr) return;
+  if (station == nullptr || receipt_number < station->stop_number) return;
+  if (bus::parse_body(order.BODY, kMaxBodyBytes).from == options_.name) return;
   station->stop_awaited = false;
   station->start_crossed = false;
   if (!station->in_state(StationState::FAULT)) set_intent(*station, Intent::run, "an operator ordered Start");
 }
 
-void Model::on_stop(const bus::MsgReq& order, std::int64_t now_ns) {
-  if (body_value(order.BODY, "from") == options_.name) return;
+void Model::on_stop(const bus::MsgReq& order, std::uint64_t receipt_number, std::int64_t now_ns) {
   StationRecord* station = find(order.DEST_STATION);
   if (station == nullptr) return;
+  const bus::Body body = bus::parse_body(order.BODY, kMaxBodyBytes);
+  if (body.from == options_.name) return;
+  station->stop_number = receipt_number;
   station->start_crossed =
       station->start_sent_ns && now_ns - *station->start_sent_ns <= 2 * options_.start_repeat_ns;
   station->stop_awaited = station->start_crossed || station->in_state(StationState::RUNNING);
   station->stop_seen_ns = now_ns;
-  const std::string_view mode = body_value(order.BODY, "mode");
-  station->stop_mode = mode.empty() ? "" : "mode=" + std::string(mode);
+  const auto mode = std::ranges::find(body.pairs, "mode", &std::pair<std::string, std::string>::first);
+  station->stop_mode = mode == body.pairs.end() ? "" : "mode=" + mode->second;
   set_intent(*station, Intent::stopped, "an operator ordered Stop");
 }
 

@@ -54,6 +54,7 @@ struct StationRecord {
   bool has_run = false;       ///< RUNNING was seen by this supervisor
   bool stop_awaited = false;  ///< a Stop was seen that no Status has confirmed yet
   std::int64_t stop_seen_ns = 0;
+  std::uint64_t stop_number = 0;              ///< receipt number of the newest Stop
   std::string stop_mode;                      ///< "mode=..." of that Stop, or empty
   bool start_crossed = false;                 ///< a Start of ours was under way when that Stop was seen
   std::optional<std::int64_t> start_sent_ns;  ///< newest Start of ours in this epoch
@@ -72,9 +73,12 @@ class Model {
   void on_set(const bus::Set& set, std::int64_t now_ns);
   void on_end(const bus::End& end, std::int64_t now_ns);
   void on_gse(const bus::Gse& gse, std::int64_t now_ns);
-  /// Orders on the bus. Our own (from=OUR NAME) are passed over.
-  void on_start(const bus::MsgReq& order, std::int64_t now_ns);
-  void on_stop(const bus::MsgReq& order, std::int64_t now_ns);
+  /// Orders on the bus. Our own (from=OUR NAME) are passed over. `receipt_number`: their place in the order
+  /// in which
+  /// Starts and Stops were received (bus::Origin::order): a Start received before a Stop that came first is
+  /// void.
+  void on_start(const bus::MsgReq& order, std::uint64_t receipt_number);
+  void on_stop(const bus::MsgReq& order, std::uint64_t receipt_number, std::int64_t now_ns);
   /// The number of writers of that topic that are alive (Status, Set, End).
   void on_liveliness(std::string_view topic, int alive, std::int64_t now_ns);
 
@@ -124,8 +128,5 @@ class Model {
   std::uint64_t save_version_ = 0;
   std::vector<std::string> notes_;
 };
-
-/// The value of `key` in a body of words ("verb key=value ..."); empty if it is not there.
-std::string_view body_value(std::string_view body, std::string_view key);
 
 }  // namespace stationd::supervisor

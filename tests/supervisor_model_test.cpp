@@ -130,7 +130,7 @@ TEST_CASE("what an operator stopped is not started, by Status alone") {
 TEST_CASE("an operator's Stop seen outlives a restart of the daemon") {
   Model model = with_all_seen();
   run(model, "storage", 1 * ms);
-  model.on_stop(order("storage", "mode=end_of_piece from=stationctl-1", bus::Order::STOP), 2 * ms);
+  model.on_stop(order("storage", "mode=end_of_piece from=stationctl-1", bus::Order::STOP), 2, 2 * ms);
   run(model, "storage", 3 * ms);  // sent before the Stop came to it
   CHECK(model.station("storage")->intent == Intent::stopped);
   model.on_status(status("storage", StationState::STOPPING), 4 * ms);
@@ -142,7 +142,7 @@ TEST_CASE("an operator's Stop seen outlives a restart of the daemon") {
 TEST_CASE("an operator's Start sets the intent to run again") {
   Model model(options());
   model.on_status(status("storage", StationState::STOPPED, 1), 0);
-  model.on_start(order("storage", "from=stationctl-1", bus::Order::START), 1 * ms);
+  model.on_start(order("storage", "from=stationctl-1", bus::Order::START), 1);
   CHECK(model.station("storage")->intent == Intent::run);
   model.on_status(status("storage", StationState::STOPPED, 1), 2 * ms);  // not carried out yet
   CHECK(model.station("storage")->intent == Intent::run);
@@ -155,8 +155,18 @@ TEST_CASE("an operator's Start sets the intent to run again") {
 TEST_CASE("our own Start on the bus says nothing of an operator") {
   Model model(options());
   model.on_status(status("storage", StationState::STOPPED, 1), 0);
-  model.on_start(order("storage", "from=supervisor id=4", bus::Order::START), 1 * ms);
+  model.on_start(order("storage", "from=supervisor id=4", bus::Order::START), 1);
   CHECK(model.station("storage")->intent == Intent::stopped);
+}
+
+TEST_CASE("a Start that was received before a Stop is void though it is handed out after it") {
+  Model model(options());
+  run(model, "storage", 0);
+  model.on_stop(order("storage", "", bus::Order::STOP), 8, 1 * ms);
+  model.on_start(order("storage", "from=stationctl-1", bus::Order::START), 7);
+  CHECK(model.station("storage")->intent == Intent::stopped);
+  model.on_start(order("storage", "from=stationctl-1", bus::Order::START), 9);
+  CHECK(model.station("storage")->intent == Intent::run);
 }
 
 TEST_CASE("what faulted is not started, not after reset, not after a restart") {
@@ -176,7 +186,7 @@ TEST_CASE("what faulted is not started, not after reset, not after a restart") {
 TEST_CASE("a Start at a station in FAULT does not change the intent") {
   Model model(options());
   model.on_status(status("storage", StationState::FAULT), 0);
-  model.on_start(order("storage", "", bus::Order::START), 1 * ms);
+  model.on_start(order("storage", "", bus::Order::START), 1);
   CHECK(model.station("storage")->intent == Intent::faulted);
 }
 
@@ -197,13 +207,13 @@ TEST_CASE(
   model.on_status(status("storage", StationState::STOPPED, 0, 2), 10 * ms);
   model.on_status(status("sealer", StationState::STOPPED, 0, 2), 10 * ms);
   CHECK(started(model.tick(11 * ms)) == Names{"storage"});
-  model.on_stop(order("storage", "", bus::Order::STOP), 12 * ms);
+  model.on_stop(order("storage", "", bus::Order::STOP), 2, 12 * ms);
   CHECK(started(model.tick(13 * ms)) == Names{"sealer"});
 }
 
 TEST_CASE("a saved intent holds over the supervisor's own restart") {
   Model before = with_all_seen();
-  before.on_stop(order("storage", "from=stationctl-9", bus::Order::STOP), 1 * ms);
+  before.on_stop(order("storage", "from=stationctl-9", bus::Order::STOP), 2, 1 * ms);
   const std::optional<SavedState> saved = decode(encode(before.saved()));
   REQUIRE(saved);
   Model after = with_all_seen(*saved);
@@ -217,7 +227,7 @@ TEST_CASE("a Stop that our Start crossed is repeated until it holds") {
   Model model(alone);
   model.on_status(status("storage", StationState::STOPPED), 0);
   CHECK(started(model.tick(0)) == Names{"storage"});
-  model.on_stop(order("storage", "mode=immediate from=stationctl-1", bus::Order::STOP), 1 * ms);
+  model.on_stop(order("storage", "mode=immediate from=stationctl-1", bus::Order::STOP), 2, 1 * ms);
   model.on_status(status("storage", StationState::STOPPED, 1), 2 * ms);
   run(model, "storage", 3 * ms);  // our Start came after the Stop
   CHECK(model.station("storage")->intent == Intent::stopped);
@@ -235,7 +245,7 @@ TEST_CASE("an observer orders nothing but knows the intents") {
   Model model = with_all_seen();
   model.set_role(Role::observing);
   CHECK(model.tick(1 * ms).empty());
-  model.on_stop(order("storage", "", bus::Order::STOP), 2 * ms);
+  model.on_stop(order("storage", "", bus::Order::STOP), 2, 2 * ms);
   CHECK(model.station("storage")->intent == Intent::stopped);
 }
 

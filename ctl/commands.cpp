@@ -1,0 +1,82 @@
+#include "ctl/commands.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <string>
+
+#include "ctl/client.hpp"
+#include "ctl/output.hpp"
+#include "ctl/text.hpp"
+#include "scan/codes.hpp"
+
+namespace stationd::ctl {
+namespace {
+
+int carry_out(const Arguments& arguments) {
+  switch (arguments.command) {
+    case Command::help: std::printf("%s", kUsage.data()); return kDone;
+    case Command::version:
+      std::printf("stationctl %s (%s)\n", STATIOND_VERSION, bus::dds_version().c_str());
+      return kDone;
+    case Command::list: return list(arguments);
+    case Command::watch: return watch(arguments);
+    case Command::start: return start(arguments);
+    case Command::stop: return stop(arguments);
+    case Command::msg: return msg(arguments);
+    case Command::reset: return reset(arguments);
+    case Command::describe: return describe(arguments);
+    case Command::events: return events(arguments);
+  }
+  return kUsageError;
+}
+
+}  // namespace
+
+int run(const Arguments& arguments) {
+  if (!arguments.problem.empty())
+    return fail(arguments, kUsageError, arguments.problem + "; see stationctl help");
+  try {
+    return carry_out(arguments);
+  } catch (const bus::BusError& error) {
+    return fail(arguments, kNoBus, error.what());
+  }
+}
+
+int list(const Arguments& arguments) {
+  Client client(arguments);
+  const Stations stations = client.settle(monotonic_ns() + arguments.timeout_ns);
+  if (stations.empty()) return fail(arguments, kNoStation, no_station_text(arguments, stations));
+  const std::int64_t now_ns = monotonic_ns();
+  if (arguments.json) {
+    print_line(stations_json(stations, now_ns));
+    return kDone;
+  }
+  for (const std::string& line : stations_table(stations, now_ns, 0)) print_line(line);
+  return kDone;
+}
+
+int describe(const Arguments& arguments) {
+  std::string_view digits = arguments.station;
+  if (digits.starts_with("ST") || digits.starts_with("st")) digits.remove_prefix(2);
+  std::uint32_t number = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc{} || end != digits.data() + digits.size() || digits.empty())
+    return fail(arguments, kUsageError, "not a code: \"" + arguments.station + "\"; codes look like ST1203");
+  const CodeInfo* info = find_code(number);
+  if (info == nullptr)
+    return fail(arguments, kRefused,
+                "no such code: " + code_id(number) +
+                    "; one of your own program: stationctl msg STATION describe " + code_id(number));
+  if (arguments.json) {
+    JsonObject out;
+    out.number("code", number).text("severity", name_of(info->severity)).text("name", info->name);
+    print_line(out.text("cause", info->cause).text("remedy", info->remedy).str());
+    return kDone;
+  }
+  print_line(code_text(number) + " (" + std::string(name_of(info->severity)) + ")");
+  print_line("Cause:  " + std::string(info->cause));
+  print_line("Remedy: " + std::string(info->remedy));
+  return kDone;
+}
+
+}  // namespace stationd::ctl
