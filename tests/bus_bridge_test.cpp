@@ -25,8 +25,8 @@ struct Controller {
       : scanned(name, requests), bus(options("controller of " + name)),
         bridge(bus, std::move(bridge_options),
                {{&scanned.station(),
-                 [] {
-                   return TaskFigures{2'000'000, 1, 2, "none"};
+                 [period_ns] {
+                   return TaskFigures{period_ns, 1, 2, "none"};
                  }}},
                [this](int, const std::string& text) { log.put(text); }) {
     bridge.start();
