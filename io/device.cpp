@@ -18,7 +18,7 @@ std::int64_t steady_ns() {
 
 }  // namespace
 
-Device::Device(DeviceOptions options, std::unique_ptr<Backend> backend, std::vector<Point> points,
+Device::Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
                std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change, Clock clock)
     : options_(std::move(options)), backend_(std::move(backend)), bindings_(std::move(bindings)),
       selection_(points, bindings_), report_(options_), log_(std::move(log)),

@@ -41,7 +41,7 @@ class Device {
   /// CLOCK_MONOTONIC in nanoseconds; tests bring their own.
   using Clock = std::int64_t (*)();
 
-  Device(DeviceOptions options, std::unique_ptr<Backend> backend, std::vector<Point> points,
+  Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
          std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change = {},
          Clock clock = nullptr);
   ~Device();

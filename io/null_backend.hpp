@@ -1,4 +1,4 @@
-// NullBackend: a device that is not there: reads zeroes, takes all outputs. For trying a program without a field.
+// NullBackend: a device that is not there: reads 0, takes all outputs. For trying a program without a field.
 // Owned by its device thread.
 // The device thread only.
 #pragma once

@@ -65,6 +65,11 @@ struct Rig {
   }
 };
 
+struct FaultCase {
+  std::string name;
+  ExchangeStatus expected;
+};
+
 bool pymodbus_is_there() {
   return std::system(
              "/usr/bin/python3 -c 'from pymodbus.server.async_io import ModbusTcpServer' 2>/dev/null") == 0;
@@ -123,24 +128,23 @@ TEST_CASE("refused connection is said at once, and waits before the next attempt
 TEST_CASE("each fault of a device is told by its kind and the next round is good again [IO-3]") {
   Rig rig;
   REQUIRE(rig.round().status == ExchangeStatus::ok);
-  const std::vector<std::pair<std::string, ExchangeStatus>> faults = {
-      {"silent", ExchangeStatus::timeout},
-      {"short", ExchangeStatus::timeout},
-      {"drip", ExchangeStatus::timeout},
-      {"late", ExchangeStatus::timeout},
-      {"close", ExchangeStatus::disconnected},
-      {"reset", ExchangeStatus::disconnected},
-      {"wrong-unit", ExchangeStatus::protocol},
-      {"wrong-transaction", ExchangeStatus::protocol},
-      {"wrong-protocol", ExchangeStatus::protocol},
-      {"wrong-function", ExchangeStatus::protocol},
-      {"wrong-echo", ExchangeStatus::protocol},
-      {"garbage", ExchangeStatus::protocol},
-      {"twice", ExchangeStatus::protocol},
-      {"exception", ExchangeStatus::exception}};
-  for (const auto& [fault, expected] : faults) {
-    CHECK_MESSAGE(rig.status_with(fault) == expected, fault);
-    CHECK_MESSAGE(rig.status_with("good") == ExchangeStatus::ok, fault);
+  const std::vector<FaultCase> faults = {{"silent", ExchangeStatus::timeout},
+                                         {"short", ExchangeStatus::timeout},
+                                         {"drip", ExchangeStatus::timeout},
+                                         {"late", ExchangeStatus::timeout},
+                                         {"close", ExchangeStatus::disconnected},
+                                         {"reset", ExchangeStatus::disconnected},
+                                         {"wrong-unit", ExchangeStatus::protocol},
+                                         {"wrong-transaction", ExchangeStatus::protocol},
+                                         {"wrong-protocol", ExchangeStatus::protocol},
+                                         {"wrong-function", ExchangeStatus::protocol},
+                                         {"wrong-echo", ExchangeStatus::protocol},
+                                         {"garbage", ExchangeStatus::protocol},
+                                         {"twice", ExchangeStatus::protocol},
+                                         {"exception", ExchangeStatus::exception}};
+  for (const FaultCase& fault : faults) {
+    CHECK_MESSAGE(rig.status_with(fault.name) == fault.expected, fault.name);
+    CHECK_MESSAGE(rig.status_with("good") == ExchangeStatus::ok, fault.name);
   }
 }
 

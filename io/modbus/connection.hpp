@@ -11,6 +11,7 @@
 #include "io/backend.hpp"
 #include "io/modbus/adu.hpp"
 
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the name is libmodbus's; its header stays in .cpp files
 struct _modbus;
 
 namespace stationd::io::modbus {
