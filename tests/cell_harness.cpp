@@ -117,9 +117,9 @@ void CellHarness::revive(int number, bool cold) {
   if (unit.has_disk) unit.station->restore(unit.disk);
   unit.track_step = unit.station->image().value(*unit.station->image().find("track_step"));
   unit.arm_step = unit.station->image().value(*unit.station->image().find("arm_step"));
-  unit.scan = unit.last_saved = unit.newest_scan = 0;
-  unit.writing = false;
-  unit.newest.clear();
+  unit.scan = unit.last_saved = 0;
+  unit.writing = unit.permitted = false;
+  unit.safe_block = 0;
   unit.drop_at_ns = -1;
   unit.fault_since_ns = -1;
   plant_.de_energise(number);
@@ -167,8 +167,12 @@ void CellHarness::drive_outputs(int number) {
   link.blocks.update();
   if (unit.cut) return;
   plant::UnitIo& io = plant_.unit(number);
-  if (!unit.station->port().permit.load()) return plant_.de_energise(number);
   const ConstBlockView block{link.blocks.readable(), link.tags.layout};
+  // As io/device_rules does: only a block that was committed after the permit was seen stands.
+  const bool permitted = unit.station->port().permit.load();
+  if (!permitted || !unit.permitted) unit.safe_block = block.header().count;
+  unit.permitted = permitted;
+  if (block.header().count <= unit.safe_block) return plant_.de_energise(number);
   const std::size_t coils = number == kSealer ? kCoils.size() + 1 : kCoils.size();
   for (std::size_t i = 0; i < coils; ++i) io.coils[i] = block.slots()[i] != 0;
   io.holding_registers[plant::hr::arm_target] = static_cast<std::uint16_t>(block.slots()[coils]);

@@ -107,12 +107,12 @@ class CellHarness {
     bool has_disk = false;
     bool writing = false;
     Write write;
-    std::vector<Slot> newest;
-    std::uint64_t newest_scan = 0, last_saved = 0;
+    std::uint64_t last_saved = 0;
+    bool permitted = false;
+    std::uint64_t safe_block = 0;
     std::uint64_t inputs_count = 0;
     std::int64_t drop_at_ns = -1;
     std::int64_t fault_since_ns = -1;
-    std::int64_t started_ns = -1;
     bool cut = false;
     std::vector<std::function<Slot(const plant::UnitIo&)>> readers;
     Slot* track_step = nullptr;
