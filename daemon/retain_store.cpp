@@ -119,8 +119,8 @@ std::uint64_t layout_hash(const Image& image, std::span<const TagIndex> tags) {
   return hash;
 }
 
-RetainStore::RetainStore(const std::filesystem::path& directory, std::string station, std::uint64_t layout)
-    : directory_(directory), station_(std::move(station)), layout_(layout) {
+RetainStore::RetainStore(std::filesystem::path directory, std::string station, std::uint64_t layout)
+    : directory_(std::move(directory)), station_(std::move(station)), layout_(layout) {
   std::error_code e;
   std::filesystem::create_directories(directory_, e);
   if (e || access(directory_.c_str(), W_OK | X_OK) != 0)

@@ -29,7 +29,7 @@ class RetainStore {
  public:
   /// Files are DIRECTORY/STATION.retained.0 and .1. Throws SetupError when the directory cannot be made or
   /// written.
-  RetainStore(const std::filesystem::path& directory, std::string station, std::uint64_t layout);
+  RetainStore(std::filesystem::path directory, std::string station, std::uint64_t layout);
   RetainStore(const RetainStore&) = delete;
   RetainStore& operator=(const RetainStore&) = delete;
 

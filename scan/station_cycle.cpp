@@ -62,7 +62,10 @@ void Station::latch_link(InputLink& link, std::uint32_t lost_code, std::size_t i
   const Quality* quality = block.qualities().data();
   for (const TagIndex tag : link.tags.tags) {
     const std::uint32_t n = image_.slot_count(tag);
-    if (take) std::copy(in, in + n, image_.value(tag));
+    if (take) {
+      Slot* value = image_.value(tag);
+      for (std::uint32_t i = 0; i < n; ++i) value[i] = in[i];  // mostly one: no call is worth it
+    }
     in += n;
     *image_.quality(tag) = std::min(source, *quality++);
   }

@@ -108,20 +108,20 @@ class StationRig {
     station->port().requests.push(request);
   }
   void stop(StopMode mode) { station->port().stop.set(mode, ++order); }
-  Reply reply() {
+  Reply reply() const {
     Reply last;
     last.outcome = Outcome::refused;
     while (station->port().replies.pop(last)) {
     }
     return last;
   }
-  std::vector<Event> events() {
+  std::vector<Event> events() const {
     std::vector<Event> all;
     Event event;
     while (station->port().events.pop(event)) all.push_back(event);
     return all;
   }
-  StatusRecord status() {
+  StatusRecord status() const {
     StatusRecord record;
     station->port().status.take(record);
     return record;
@@ -137,12 +137,12 @@ class StationRig {
     block.header() = {time_ns, 0, 0, 1, quality};
     link.blocks.publish();
   }
-  void feed_device(bool part, std::int32_t position, Quality quality = Quality::GOOD) {
+  void feed_device(bool part, std::int32_t position, Quality quality = Quality::GOOD) const {
     feed(*inputs, {to_slot(part), to_slot(position)}, now_ns + kPeriodNs, quality);
   }
 
   /// What the device's thread reads: the newest block's slots.
-  std::vector<Slot> driven_outputs() {
+  std::vector<Slot> driven_outputs() const {
     outputs->blocks.update();
     const ConstBlockView block{outputs->blocks.readable(), outputs->tags.layout};
     return {block.slots().begin(), block.slots().end()};

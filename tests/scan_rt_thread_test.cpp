@@ -81,7 +81,7 @@ template <class Body> bool in_child(Body body) {
 }
 
 /// In a child: no rights beyond those of an ordinary user, and these limits at 0.
-bool drop_rights(std::vector<int> limits) {
+bool drop_rights(const std::vector<int>& limits) {
   const rlimit none{0, 0};
   bool dropped = true;
   for (const int limit : limits) dropped &= setrlimit(static_cast<__rlimit_resource>(limit), &none) == 0;
