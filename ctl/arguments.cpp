@@ -17,7 +17,7 @@ const std::string_view kUsage =
   start STATION|all [KEY=VALUE...]
                                 starts a station (with parameters) and waits until its Status confirms it
   stop STATION|all [--end-of-piece]
-                                stops at once, or when the piece in work is finished; waits for the confirmation
+                                stops at once, or when its piece is finished; waits for the confirmation
   msg STATION TEXT...           asks a station (or the supervisor) and prints its answer:
                                 status, describe CODE, get TAG, params, reset; supervisor: pieces, help
   reset STATION                 acknowledges a fault whose cause is gone
@@ -33,8 +33,8 @@ Options:
   --json            one JSON object; watch and events: one a line
   --version
 
-Exit status: 0 done; 1 the station refused or answered with an error; 2 no answer within the time-out; 3 no such station
-on the bus; 64 usage; 69 no DDS network.
+Exit status: 0 done; 1 the station refused or answered with an error; 2 no answer within the time-out; 3 no
+such station on the bus; 64 usage; 69 no DDS network.
 )";
 
 namespace {

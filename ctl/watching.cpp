@@ -63,7 +63,8 @@ class View {
   void show(const Stations& stations) {
     winsize size{};
     if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) size = {24, 80, 0, 0};
-    std::vector<std::string> lines = stations_table(stations, monotonic_ns(), size.ws_col);
+    // One column less: erasing behind a full line would take its end.
+    std::vector<std::string> lines = stations_table(stations, monotonic_ns(), size.ws_col - 1U);
     lines.emplace_back();
     lines.emplace_back("Ctrl-C ends");
     if (lines.size() > size.ws_row) lines.resize(size.ws_row);

@@ -86,6 +86,7 @@ Application::Application(const config::SupervisorConfiguration& configuration, c
       model_(model_options(configuration, arguments), loaded(store, own_notes_)), instance_(new_instance()),
       bus_(bus_options(configuration, arguments)) {
   model_.set_role(Role::observing);  // until nobody else of this name has been found to command
+  static_cast<void>(model_.take_notes());
   saved_version_ = model_.save_version();
 }
 
@@ -170,6 +171,7 @@ void Application::answer_request(const bus::MsgReq& request, const bus::Origin& 
 void Application::settle_role(std::int64_t now_ns) {
   if (role_settled_) return;
   if (arguments_.observe) {
+    own_notes_.emplace_back("this supervisor only observes");
     role_settled_ = true;
     return;
   }

@@ -50,7 +50,7 @@ class LiveScreen final : public Screen {
     shown_ns_ = now_ns;
     const Terminal::Size size = terminal_.size();
     ViewOptions options;
-    options.width = size.width;
+    options.width = size.width > 1 ? size.width - 1 : 1;  // erasing behind a full line would take its end
     options.height = size.height;
     options.color = std::getenv("NO_COLOR") == nullptr;
     options.title = title_;

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-#include "supervisor_fake_cell.hpp"
+#include "tests/supervisor_fake_cell.hpp"
 
 using namespace stationd;
 using stationd::testing::eventually;

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "supervisor/application.hpp"
-#include "supervisor_fake_cell.hpp"
+#include "tests/supervisor_fake_cell.hpp"
 
 using namespace stationd;
 using namespace stationd::supervisor;
