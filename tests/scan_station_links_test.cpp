@@ -159,6 +159,14 @@ TEST_CASE("PVs that were overtaken before they were sent are counted, each one [
   CHECK(newest(pv).header().count == 10);
 }
 
+TEST_CASE("PV that only repeats an unsent one counts it as overtaken, too [PV-3]") {
+  StationOptions options = StationRig::named("ST");
+  options.pv_heartbeat_ns = test::kPeriodNs;
+  StationRig rig(options);
+  for (int i = 0; i < 3; ++i) rig.scan();
+  CHECK(rig.station->pvs()[0]->overtaken.load() == 2);
+}
+
 TEST_CASE("retained tags are published when they change, with the scan that they are of [IMG-4]") {
   StationRig rig;
   RetainLink& retain = rig.station->retain();
@@ -222,7 +230,10 @@ TEST_CASE("restored station is warm with its values and stays STOPPED [IMG-4, IM
   CHECK_FALSE(rig.permit());
   CHECK(rig.program->pieces == 123U);
   CHECK(restart == Restart::warm);
-  CHECK(newest(rig.station->retain()).slots()[1] == 0);  // it does not run any more
+  const ConstBlockView block = newest(rig.station->retain());
+  CHECK(block.header().count == 1);
+  CHECK(block.slots()[0] == 123);
+  CHECK(block.slots()[1] == 0);  // it does not run any more
 }
 
 TEST_CASE("restored station with resume goes on where it was running, and only there [IMG-5]") {
