@@ -66,6 +66,7 @@ class Controller {
   void lock_state_directory();
   void build_station(const config::StationConfig& station);
   void map_tags(Station& station, const config::StationConfig& config);
+  void link_devices(Station& station, std::size_t index);
   void restore(Station& station);
   void build_devices();
   void build_device(const io::DeviceOptions& options);

@@ -5,6 +5,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "daemon/controller.hpp"
@@ -18,13 +19,6 @@ namespace stationd {
 namespace {
 
 constexpr std::int64_t kRetainIntervalNs = 1'000'000'000;
-
-std::vector<std::string> tags_on(const std::vector<config::TagMapping>& mappings, const std::string& device) {
-  std::vector<std::string> tags;
-  for (const config::TagMapping& m : mappings)
-    if (m.device == device) tags.push_back(m.tag);
-  return tags;
-}
 
 }  // namespace
 
@@ -61,6 +55,7 @@ void Controller::build_station(const config::StationConfig& s) {
   options.pv_heartbeat_ns = configuration_.pv_heartbeat_ns;
   auto station = std::make_unique<Station>(options, make_program(s.program, program));
   map_tags(*station, s);
+  link_devices(*station, stations_.size());
   station->set_bus_limits(configuration_.bus_stale_after_ns, configuration_.bus_bad_after_ns);
   station->seal();
   restore(*station);
@@ -75,10 +70,19 @@ void Controller::map_tags(Station& station, const config::StationConfig& s) {
     spec.safe = m.point.safe_value;
   }
   for (const config::ParameterConfig& p : s.parameters) image.spec(*image.find(p.tag)).initial = p.value;
+}
+
+void Controller::link_devices(Station& station, std::size_t index) {
   for (const io::DeviceOptions& d : configuration_.devices) {
-    if (const auto tags = tags_on(s.inputs, d.name); !tags.empty())
-      station.add_device_inputs(d.name, tags, d.stale_after_ns, d.bad_after_ns);
-    if (const auto tags = tags_on(s.outputs, d.name); !tags.empty()) station.add_device_outputs(d.name, tags);
+    const DevicePoints points(configuration_, d.name);
+    for (const DeviceShare& share : points.shares()) {
+      if (share.station != index) continue;
+      if (share.direction == io::Direction::output)
+        station.add_device_outputs(d.name, share.tags);
+      else
+        station.add_device_inputs(d.name, share.tags, share.stale_after_ns,
+                                  std::max(d.bad_after_ns, share.stale_after_ns));
+    }
   }
 }
 
@@ -121,19 +125,26 @@ void Controller::build_devices() {
 }
 
 void Controller::build_device(const io::DeviceOptions& options) {
-  DevicePoints points(configuration_, options.name);
+  const DevicePoints points(configuration_, options.name);
   std::vector<io::DeviceBinding> bindings;
-  for (std::size_t i = 0; i < stations_.size(); ++i) {
-    Station& station = *stations_[i];
+  std::vector<std::size_t> inputs_used(
+      stations_.size());  // a station's links stand in the order of its shares
+  for (const DeviceShare& share : points.shares()) {
+    Station& station = *stations_[share.station];
     io::DeviceBinding binding;
     binding.permit = &station.port().permit;
-    binding.input_points = points.inputs_of(i);
-    binding.output_points = points.outputs_of(i);
-    for (auto& link : station.device_inputs())
-      if (link->source == options.name) binding.inputs = link.get();
-    for (auto& link : station.device_outputs())
-      if (link->device == options.name) binding.outputs = link.get();
-    if (binding.inputs != nullptr || binding.outputs != nullptr) bindings.push_back(std::move(binding));
+    if (share.direction == io::Direction::output) {
+      binding.output_points = share.places;
+      for (auto& link : station.device_outputs())
+        if (link->device == options.name) binding.outputs = link.get();
+    } else {
+      binding.input_points = share.places;
+      std::size_t n = 0;
+      for (auto& link : station.device_inputs())
+        if (link->source == options.name && n++ == inputs_used[share.station]) binding.inputs = link.get();
+      ++inputs_used[share.station];
+    }
+    bindings.push_back(std::move(binding));
   }
   const auto log = [this](int severity, const std::string& text) {
     log_.line(static_cast<LogSeverity>(severity), text, {{"STATIOND_EVENT", "device"}});

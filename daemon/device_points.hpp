@@ -12,19 +12,30 @@
 
 namespace stationd {
 
+/// Tags of one station that travel in one link to or from the device.
+struct DeviceShare {
+  std::size_t station = 0;  ///< index in the configuration
+  io::Direction direction = io::Direction::input;
+  std::int64_t stale_after_ns = 0;  ///< inputs: their common max_age
+  std::vector<std::string> tags;
+  std::vector<std::uint32_t> places;  ///< for each tag: its place among the device's input (output) points
+};
+
 class DevicePoints {
  public:
   DevicePoints(const config::Configuration& configuration, const std::string& device);
 
   const std::vector<io::Point>& all() const noexcept { return all_; }
-  /// For each of the station's input (output) tags on the device, in the configuration's order: its place among the device's
-  /// input (output) points.
-  const std::vector<std::uint32_t>& inputs_of(std::size_t station) const { return inputs_[station]; }
-  const std::vector<std::uint32_t>& outputs_of(std::size_t station) const { return outputs_[station]; }
+  /// Inputs of one station and one max_age go together; all outputs of a station do.
+  const std::vector<DeviceShare>& shares() const noexcept { return shares_; }
 
  private:
+  void take(std::size_t station, const std::vector<config::TagMapping>& mappings, const std::string& device,
+            std::uint32_t& count);
+  DeviceShare& share(std::size_t station, const config::TagMapping& mapping);
+
   std::vector<io::Point> all_;
-  std::vector<std::vector<std::uint32_t>> inputs_, outputs_;
+  std::vector<DeviceShare> shares_;
 };
 
 }  // namespace stationd

@@ -21,10 +21,11 @@ enum class SafeAction : std::uint8_t { value, hold };
 
 /// One tag's place in a device.
 struct Point {
-  std::string tag;              ///< "STATION.TAG", for messages
+  std::string tag;  ///< "STATION.TAG", for messages
   Table table = Table::coil;
-  std::uint16_t address = 0;    ///< 0-based
-  TagType type = TagType::BOOL; ///< BOOL in bit tables; 16-bit types take 1 register, 32-bit 2, 64-bit 4, high word first
+  std::uint16_t address = 0;  ///< 0-based
+  TagType type = TagType::
+      BOOL;  ///< BOOL in bit tables; 16-bit types take 1 register, 32-bit 2, 64-bit 4, high word first
   Direction direction = Direction::input;
   SafeAction safe_action = SafeAction::value;  ///< outputs only
   Slot safe_value = 0;                         ///< outputs only, with SafeAction::value
@@ -36,24 +37,24 @@ enum class DeviceKind : std::uint8_t { modbus, simulated, null };
 struct DeviceOptions {
   std::string name;
   DeviceKind kind = DeviceKind::modbus;
-  std::string host = "127.0.0.1";       ///< IPv4 literal (modbus)
-  std::uint16_t port = 502;             ///< modbus
-  int unit = 1;                         ///< 1..247
-  std::int64_t period_ns = 10'000'000;  ///< one exchange (all reads, all writes) per period, 1 ms to 60 s
-  std::int64_t timeout_ns = 200'000'000;      ///< response and connect, total
-  std::int64_t stale_after_ns = 50'000'000;   ///< inputs older than this are STALE
-  std::int64_t bad_after_ns = 500'000'000;    ///< inputs older than this are BAD
-  std::int64_t heartbeat_period_ns = 0;       ///< 0: none
-  std::uint16_t heartbeat_register = 0;       ///< holding register, written with a counter
+  std::string host = "127.0.0.1";         ///< IPv4 literal (modbus)
+  std::uint16_t port = 502;               ///< modbus
+  int unit = 1;                           ///< 1..247
+  std::int64_t period_ns = 10'000'000;    ///< one exchange (all reads, all writes) per period, 1 ms to 60 s
+  std::int64_t timeout_ns = 200'000'000;  ///< response and connect, total
+  std::int64_t stale_after_ns = 50'000'000;  ///< inputs older than this are STALE
+  std::int64_t bad_after_ns = 500'000'000;   ///< inputs older than this are BAD
+  std::int64_t heartbeat_period_ns = 0;      ///< 0: none
+  std::uint16_t heartbeat_register = 0;      ///< holding register, written with a counter
 };
 
 /// The simulated plant in the daemon's own process (DeviceKind::simulated).
 struct PlantOptions {
   std::uint64_t seed = 1;
-  std::uint32_t pallets = 0;          ///< pallets that the infeed gives; 0: without end
-  std::int64_t step_ns = 1'000'000;   ///< fixed time step of the model
-  double speed = 1.0;                 ///< plant seconds per second
-  std::string ledger_file;            ///< empty: none
+  std::uint32_t pallets = 0;         ///< pallets that the infeed gives; 0: without end
+  std::int64_t step_ns = 1'000'000;  ///< fixed time step of the model
+  double speed = 1.0;                ///< plant seconds per second
+  std::string ledger_file;           ///< empty: none
 };
 
 }  // namespace stationd::io

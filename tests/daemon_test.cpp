@@ -73,16 +73,36 @@ TEST_CASE("Points of a device keep the order of each station's tags (IO-2)") {
       std::filesystem::path(STATIOND_SOURCE_DIR) / "config/controller1.toml", &catalogue);
   REQUIRE(loaded);
   const DevicePoints points(*loaded.value, loaded.value->devices.at(1).name);
-  CHECK(points.inputs_of(0).empty());
-  REQUIRE_FALSE(points.inputs_of(1).empty());
+  REQUIRE(points.shares().size() == 2);
+  const DeviceShare& inputs = points.shares().at(0);
+  CHECK(inputs.station == 1);
+  CHECK(inputs.direction == io::Direction::input);
   std::vector<std::string> expected;
-  for (const auto& mapping : loaded.value->stations.at(1).inputs) expected.push_back(mapping.point.tag);
-  std::vector<std::string> inputs;
   for (const io::Point& p : points.all())
-    if (p.direction == io::Direction::input) inputs.push_back(p.tag);
+    if (p.direction == io::Direction::input) expected.push_back(p.tag);
   std::vector<std::string> seen;
-  for (const std::uint32_t place : points.inputs_of(1)) seen.push_back(inputs.at(place));
-  CHECK(seen == expected);
+  for (const std::uint32_t place : inputs.places) seen.push_back(expected.at(place));
+  std::vector<std::string> tags;
+  for (const std::string& tag : inputs.tags) tags.push_back("robot." + tag);
+  CHECK(seen == tags);
+}
+
+TEST_CASE("Inputs of another max_age travel in a link of their own (IMG-2)") {
+  config::Configuration configuration;
+  configuration.stations.resize(1);
+  for (const std::int64_t age_ns : {50, 200, 50}) {
+    config::TagMapping mapping;
+    mapping.tag = "t" + std::to_string(configuration.stations[0].inputs.size());
+    mapping.device = "io";
+    mapping.max_age_ns = age_ns;
+    configuration.stations[0].inputs.push_back(mapping);
+  }
+  const DevicePoints points(configuration, "io");
+  REQUIRE(points.shares().size() == 2);
+  CHECK(points.shares()[0].tags == std::vector<std::string>{"t0", "t2"});
+  CHECK(points.shares()[0].places == std::vector<std::uint32_t>{0, 2});
+  CHECK(points.shares()[1].stale_after_ns == 200);
+  CHECK(points.shares()[1].places == std::vector<std::uint32_t>{1});
 }
 
 TEST_CASE("Shipped configurations name only programs and tags that there are (CFG-1)") {
