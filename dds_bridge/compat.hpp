@@ -142,6 +142,15 @@ inline void force_xcdr1(dds::DataReaderQos& qos) {
 #endif
 }
 
+/// How soon a reliable writer tells a reader what it should have, and so how soon a lost sample is repeated.
+inline void set_heartbeat(dds::DataWriterQos& qos, std::int64_t ns) {
+#if STATIOND_FASTDDS3
+  qos.reliable_writer_qos().times.heartbeat_period = duration(ns);
+#else
+  qos.reliable_writer_qos().times.heartbeatPeriod = duration(ns);
+#endif
+}
+
 /// TopicDataType with one set of virtual functions for both generations. None of them may throw: they are
 /// called from the library's threads, where nobody catches.
 class Type : public dds::TopicDataType {

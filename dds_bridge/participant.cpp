@@ -128,7 +128,7 @@ void Participant::create() {
     throw BusError("DDS publisher or subscriber could not be created in partition " + options.cell);
   }
   for (const TopicInfo& info : bus::topics()) {
-    compat::dds::TypeSupport type(new TopicType(*info.type, malformed));
+    compat::dds::TypeSupport type(new TopicType(*info.type));
     compat::without_type_information(type);
     const std::string type_name(info.type->name), name(info.name);
     // Registering the same type once more (three topics share Msg_Req) finds it there and is no error.

@@ -15,6 +15,7 @@ constexpr std::int64_t kParticipantAnnouncement = 750 * kMs;
 // What our readers ask for at most; a writer that offers more would not match. Our writers offer 0.
 constexpr std::int64_t kAseLatencyBudget = 1 * kMs;
 constexpr std::int64_t kPvLatencyBudget = 10 * kMs;
+constexpr std::int64_t kHeartbeat = 100 * kMs;  // the library's 3 s would delay each repair so long
 constexpr std::int64_t kReplyBlocking = 10 * kMs;
 constexpr std::int32_t kInstances = 4096;
 constexpr std::int32_t kPreallocated = 4;
@@ -112,6 +113,7 @@ dds::DataWriterQos writer_qos(Service service, const Options& options) {
     qos.liveliness().lease_duration = compat::duration(options.lease_ns);
     qos.liveliness().announcement_period = compat::duration(options.lease_ns / 4);
   }
+  compat::set_heartbeat(qos, kHeartbeat);
   // An event never waits in write(): what does not fit is kept by the event writer thread and tried again.
   qos.reliability().max_blocking_time = compat::duration(service == Service::ase ? 0 : kReplyBlocking);
   return qos;

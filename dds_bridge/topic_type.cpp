@@ -6,8 +6,7 @@
 
 namespace stationd::bus {
 
-TopicType::TopicType(const TypeTable& table, std::atomic<std::uint64_t>& malformed)
-    : table_(table), malformed_(malformed) {
+TopicType::TopicType(const TypeTable& table) : table_(table) {
   define(std::string(table.name).c_str(), table.usual_size(), table.keyed());
 }
 
@@ -25,13 +24,16 @@ bool TopicType::decode(const compat::rtps::SerializedPayload_t& payload, void* d
   return true;
 }
 
+/// A malformed sample must not fail here either: Fast DDS 2.9 would put it into its history without an
+/// instance, and abort when it is taken. All of them share one instance that no key can have, and are dropped
+/// when taken.
 bool TopicType::key(const void* data, compat::rtps::InstanceHandle_t& handle, bool force_md5) noexcept {
   const auto& sample = *static_cast<const Sample*>(data);
   KeyHash hash;
-  if (!sample.valid || !key_hash(table_, sample.object, force_md5, hash)) {
-    if (!sample.valid) malformed_.fetch_add(1, std::memory_order_relaxed);
-    return false;
-  }
+  if (!sample.valid)
+    hash.fill(0xFF);
+  else if (!key_hash(table_, sample.object, force_md5, hash))
+    return false;  // only our own writers get here
   for (std::size_t i = 0; i < hash.size(); ++i) handle.value[i] = hash[i];
   return true;
 }

@@ -1,9 +1,8 @@
 // TopicType: a member table as a type that Fast DDS can register.
 // Private to dds_bridge; owned by the participant that it is registered with.
-// Called from the library's threads as well as ours; only the counter is shared.
+// Called from the library's threads as well as ours; has no state.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "dds_bridge/compat.hpp"
@@ -20,8 +19,7 @@ struct Sample {
 
 class TopicType final : public compat::Type {
  public:
-  /// `malformed` counts samples that were dropped because their key could not be made; outlives the type.
-  TopicType(const TypeTable& table, std::atomic<std::uint64_t>& malformed);
+  explicit TopicType(const TypeTable& table);
 
   const TypeTable& table() const noexcept { return table_; }
 
@@ -34,7 +32,6 @@ class TopicType final : public compat::Type {
 
  private:
   const TypeTable& table_;
-  std::atomic<std::uint64_t>& malformed_;
 };
 
 }  // namespace stationd::bus
