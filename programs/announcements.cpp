@@ -15,7 +15,7 @@ Announcements::Heard Announcements::hear_set(const Announcement& set, std::uint3
   if (same_epoch && set.seq == content_.last_seq && (numbered || set.code == content_.last_code))
     return Heard::nothing;
   const bool gap = numbered && same_epoch && set.seq != content_.last_seq + 1;
-  if (!same_epoch) drop_void(visible);
+  if (!same_epoch) drop_void(visible, set.code);
   content_.last_epoch = set.epoch;
   content_.last_seq = set.seq;
   content_.last_code = set.code;
@@ -25,14 +25,10 @@ Announcements::Heard Announcements::hear_set(const Announcement& set, std::uint3
   return gap ? Heard::gap : overflow ? Heard::overflow : Heard::queued;
 }
 
-void Announcements::drop_void(std::uint32_t visible) noexcept {
-  std::uint32_t kept = 0;
-  while (kept < content_.size) {
-    if (kept < visible || content_.entries[kept].ended)
-      ++kept;
-    else
-      remove(kept);
-  }
+void Announcements::drop_void(std::uint32_t visible, std::uint32_t code) noexcept {
+  if (content_.size == 0 || content_.size <= visible) return;
+  const Announcement& newest = content_.entries[content_.size - 1];
+  if (!newest.ended && newest.code == code) remove(content_.size - 1);
 }
 
 void Announcements::hear_end(const Announcement& end, bool error) noexcept {

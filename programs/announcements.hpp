@@ -1,4 +1,5 @@
-// Announcements: the pieces that the upstream station has announced by `Set` and that were not yet matched to a pallet.
+// Announcements: the pieces that the upstream station has announced by `Set` and that were not yet matched
+// to a pallet.
 // Owned by a program, which keeps a copy of its Content in retained tags.
 // The scan thread; plain values, nothing here allocates.
 #pragma once
@@ -39,8 +40,10 @@ class Announcements {
     overflow  ///< queued, and the oldest was dropped for it
   };
 
-  /// A Set as it stands at the input; acted on once. `visible`: pallets that stand unread in the station's own zones.
-  /// A new EPOCH voids what was announced before it, but for the pallets that stand here or are on their way (ended).
+  /// A Set as it stands at the input; acted on once. `visible`: pallets that stand unread in the station's
+  /// own zones. A new EPOCH with the code of the newest announcement, whose pallet is neither here nor let
+  /// go, is that one again: the upstream station lost its record. All others stay: their pallets were let
+  /// go, whatever was heard.
   Heard hear_set(const Announcement& set, std::uint32_t visible) noexcept;
   /// An End as it stands at the input. A station finishes in order: what it announced earlier in that
   /// EPOCH has ended too. With `error` the piece will not come and its announcement goes.
@@ -49,8 +52,8 @@ class Announcements {
   /// The oldest; null when there is none.
   const Announcement* front() const noexcept { return content_.size == 0 ? nullptr : &content_.entries[0]; }
   void pop_front() noexcept { remove(0); }
-  /// Drops what stands before the oldest announcement of that code, and returns that; null (and drops nothing) if there
-  /// is none.
+  /// Drops what stands before the oldest announcement of that code, and returns that; null (and drops
+  /// nothing) if there is none.
   const Announcement* skip_to(std::uint32_t code) noexcept;
 
   std::uint32_t size() const noexcept { return content_.size; }
@@ -61,7 +64,7 @@ class Announcements {
 
  private:
   void remove(std::uint32_t index) noexcept;
-  void drop_void(std::uint32_t visible) noexcept;
+  void drop_void(std::uint32_t visible, std::uint32_t code) noexcept;
 
   Content content_;
 };

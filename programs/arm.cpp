@@ -64,8 +64,8 @@ bool Arm::clear() const noexcept {
          step_ == ArmStep::to_source || step_ == ArmStep::wait_source;
 }
 
-/// Sideways, while it is up; true on arrival. The drive is on only while the arm has to move: a position that reads
-/// wrong then leaves the arm standing instead of moving on while it is lowered.
+/// Sideways, while it is up; true on arrival. The drive is on only while the arm has to move: a position
+/// that reads wrong then leaves the arm standing instead of moving on while it is lowered.
 bool Arm::move(const ArmInputs& in, std::uint16_t target) noexcept {
   out_.target = target;
   out_.enable = in.position != target && is_up(in);

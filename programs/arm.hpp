@@ -1,4 +1,5 @@
-// Arm: the pick-and-place arm as a sub-sequence: fetches one part (or piece) and puts it down, one errand at a time.
+// Arm: the pick-and-place arm as a sub-sequence: fetches one part (or piece) and puts it down, one errand
+// at a time.
 // Owned by a program, which gives it inputs, permits and time and passes its outputs on.
 // The scan thread; plain values, nothing here allocates.
 #pragma once
@@ -85,8 +86,8 @@ std::string_view arm_step_name(std::uint32_t step) noexcept;
 
 class Arm {
  public:
-  /// After Start: begins by raising the arm. `held`: what the record says the gripper holds, none if it says nothing.
-  /// The gripper stays as the sensors show it.
+  /// After Start: begins by raising the arm. `held`: what the record says the gripper holds, none if it
+  /// says nothing. The gripper stays as the sensors show it.
   void restart(const ArmInputs& in, const Errand& held, std::int64_t clock_ns) noexcept;
 
   /// One scan. Returns the code of a fault, 0 if there is none.

@@ -1,4 +1,5 @@
-// Which piece stands in position, what the upstream station announced, what the neighbours are told. Scan thread.
+// Which piece stands in position, what the upstream station announced, what the neighbours are told. Scan
+// thread.
 #include "programs/cell_station.hpp"
 #include "scan/codes.hpp"
 
@@ -124,8 +125,8 @@ void CellStation::identify_new(Cycle& cycle) noexcept {
   take_on(cycle, from);
 }
 
-/// Gives the pallet in position its number. `from`: its announcement; without a number where the operator vouched for it
-/// or there is no upstream station.
+/// Gives the pallet in position its number. `from`: its announcement; without a number where the operator
+/// vouched for it or there is no upstream station.
 void CellStation::take_on(Cycle& cycle, const Announcement& from) noexcept {
   number_seq_ = number_epoch_ == cycle.epoch() ? number_seq_ + 1 : 1;
   number_epoch_ = cycle.epoch();
@@ -139,8 +140,8 @@ void CellStation::take_on(Cycle& cycle, const Announcement& from) noexcept {
   record_ticket_ = queue_ticket_;
 }
 
-/// Set, and End once the piece has ended, as the record has them. Only for what is on disk: a number must not be given
-/// twice.
+/// Set, and End once the piece has ended, as the record has them. Only for what is on disk: a number must
+/// not be given twice.
 void CellStation::publish_piece() noexcept {
   if (piece_code_ == 0) return;
   set_.code = piece_code_;

@@ -1,4 +1,5 @@
-// CellStation: what the cell's four programs share: the track's sequence, the arm, identity of pieces, hand-over.
+// CellStation: what the cell's four programs share: the track's sequence, the arm, identity of pieces,
+// hand-over.
 // Owned by its station; loader, robot, sealer and storage derive from it and say which parts they handle.
 // Constructed in set-up; execute() and idle() run in the scan thread.
 #pragma once
@@ -74,9 +75,10 @@ class CellStation : public Program {
   /// Constructor of a program: an input that the sequence cannot do without.
   void needs(std::initializer_list<const Handle*> inputs) { field_.insert(field_.end(), inputs); }
 
-  // -- What each program says of its parts ---------------------------------------------------------------------------
-  /// What is to be carried next for a piece of that type. `in_position`: it is here (sensors count); else it is announced
-  /// and the first part may be fetched ahead. None: nothing (left) to do.
+  // -- What each program says of its parts
+  // ---------------------------------------------------------------------------
+  /// What is to be carried next for a piece of that type. `in_position`: it is here (sensors count); else
+  /// it is announced and the first part may be fetched ahead. None: nothing (left) to do.
   virtual Errand wanted(const PieceType& type, bool in_position) const noexcept = 0;
   /// Something to be taken is at errand.from; the code of the warning when there is not.
   virtual bool source_ready(const Errand& errand) const noexcept = 0;
@@ -87,13 +89,15 @@ class CellStation : public Program {
     return false;
   }
   virtual bool placed(const Errand& errand) const noexcept = 0;
-  /// The code of what sensors and record cannot settle about the piece in position; 0: nothing. Every scan from work to
-  /// release. `question`: an earlier fault's code that the operator has answered by reset and Start; else 0.
+  /// The code of what sensors and record cannot settle about the piece in position; 0: nothing. Every scan
+  /// from work to release. `question`: an earlier fault's code that the operator has answered by reset and
+  /// Start; else 0.
   virtual std::uint32_t contradiction(std::uint32_t question) noexcept = 0;
   /// First scan after Start with good inputs, before anything moves.
   virtual void derive(const PieceType* type) noexcept { static_cast<void>(type); }
 
-  // -- For those hooks -------------------------------------------------------------------------------------------------
+  // -- For those hooks
+  // -------------------------------------------------------------------------------------------------
   bool placing(Kind kind) const noexcept {
     return ((piece_placing_.get() >> static_cast<unsigned>(kind)) & 1U) != 0;
   }
@@ -170,6 +174,7 @@ class CellStation : public Program {
   void run_wait_next(Cycle& cycle) noexcept;
   void run_release(Cycle& cycle) noexcept;
   bool next_takes() const noexcept;
+  bool names_later(const PieceInputs& other) const noexcept;
 
   // cell_identity.cpp: which piece this is, and what the neighbours are told
   void load(Cycle& cycle) noexcept;

@@ -134,11 +134,17 @@ void CellStation::run_identify(Cycle& cycle) noexcept {
   go(upstream_ && !piece_begun_ ? Step::wait_begin : Step::work);
 }
 
+/// The upstream station is at a later piece, so it has let this one go.
+bool CellStation::names_later(const PieceInputs& other) const noexcept {
+  if (!other.good() || other.code == 0) return false;
+  return other.epoch > piece_from_epoch_ || (other.epoch == piece_from_epoch_ && other.seq > piece_from_seq_);
+}
+
 void CellStation::run_wait_begin(Cycle& cycle) noexcept {
   const PieceInputs& begin = upstream_->begin;
   const bool named = begin.good() && begin.epoch == piece_from_epoch_ && begin.seq == piece_from_seq_ &&
                      begin.code == piece_code_;
-  const bool later = begin.good() && begin.epoch == piece_from_epoch_ && begin.seq > piece_from_seq_;
+  const bool later = names_later(begin) || names_later(upstream_->ready);
   const bool answered = answered_ == code::begin_missing || answered_ == code::begin_error;
   if (named && begin.error && !answered) return fail(cycle, code::begin_error, begin.status);
   if (named || later || answered) {

@@ -1,5 +1,5 @@
-// Example: a pump that fills a tank between two level switches. Copy this file to write a program of your own:
-// docs/programs.md goes through it line by line.
+// Example: a pump that fills a tank between two level switches. Copy this file to write a program of your
+// own: docs/programs.md goes through it line by line.
 #include "programs/programs.hpp"
 #include "scan/codes.hpp"
 #include "scan/cycle.hpp"
@@ -20,7 +20,8 @@ class Example final : public Program {
                       Time{1'000'000'000}, Time{3'600'000'000'000}),
         fillings_(*this, "fillings", "times that the tank was filled") {}
 
-  // One scan while the station runs: no allocation, no lock, no clock, no log. Outputs are safe outside RUNNING.
+  // One scan while the station runs: no allocation, no lock, no clock, no log. Outputs are safe outside
+  // RUNNING.
   void execute(Cycle& cycle) noexcept override {
     if (!level_low_.good() || !level_high_.good()) return cycle.fault(code::example_inputs_lost);
     if (cycle.started()) enter(level_high_ ? full : filling, cycle);

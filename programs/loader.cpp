@@ -1,4 +1,5 @@
-// Loader: reads the pallet's code and puts the base on it. First station: its pallets come from the cell's infeed.
+// Loader: reads the pallet's code and puts the base on it. First station: its pallets come from the cell's
+// infeed.
 #include "programs/assembler.hpp"
 #include "programs/programs.hpp"
 

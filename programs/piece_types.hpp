@@ -29,8 +29,9 @@ class PieceTypes {
  public:
   static constexpr std::size_t kMax = 32;
 
-  /// Takes the variants of `kinds` ("base", ..., "shelf") and, if asked, "press_time" from every recipe. Throws
-  /// SetupError for a missing or impossible value, a code that is 0 or given twice, no recipe, or more than 32.
+  /// Takes the variants of `kinds` ("base", ..., "shelf") and, if asked, "press_time" from every recipe.
+  /// Throws SetupError for a missing or impossible value, a code that is 0 or given twice, no recipe, or
+  /// more than 32.
   PieceTypes(std::span<const Recipe> recipes, std::span<const Kind> kinds, bool with_press_time);
 
   /// Null when no type has that code.

@@ -11,8 +11,8 @@
 
 namespace stationd::programs {
 
-/// The program of that kind ("loader", "robot", ...). Throws SetupError: an unknown kind (names the known ones) or
-/// options that the program cannot work with.
+/// The program of that kind ("loader", "robot", ...). Throws SetupError: an unknown kind (names the known
+/// ones) or options that the program cannot work with.
 std::unique_ptr<Program> make_program(const std::string& kind, const ProgramOptions& options);
 std::vector<std::string> program_names();
 

@@ -1,4 +1,5 @@
-// Robot: fits the bearing, then the shaft. Fetches the bearing of the announced piece before its pallet comes.
+// Robot: fits the bearing, then the shaft. Fetches the bearing of the announced piece before its pallet
+// comes.
 #include "programs/assembler.hpp"
 #include "programs/programs.hpp"
 

@@ -1,4 +1,5 @@
-// Storage: takes the piece off the pallet and puts it on its type's shelf. Last station: the pallet goes to the outfeed.
+// Storage: takes the piece off the pallet and puts it on its type's shelf. Last station: the pallet goes to
+// the outfeed.
 #include "programs/cell_station.hpp"
 #include "programs/programs.hpp"
 #include "scan/codes.hpp"

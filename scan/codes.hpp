@@ -55,7 +55,8 @@ constexpr std::uint32_t busy = 1309;
 constexpr std::uint32_t value_invalid = 1310;
 constexpr std::uint32_t permit_revoked = 1311;
 
-// The cell's programs: actuators and sensors (20xx, 21xx), pallets (22xx, 23xx), parts (24xx), waiting (25xx).
+// The cell's programs: actuators and sensors (20xx, 21xx), pallets (22xx, 23xx), parts (24xx), waiting
+// (25xx).
 constexpr std::uint32_t inputs_lost = 2001;
 constexpr std::uint32_t record_not_saved = 2002;
 constexpr std::uint32_t step_timeout = 2003;

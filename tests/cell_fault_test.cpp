@@ -1,4 +1,5 @@
-// Each fault of the plant, injected in turn while the cell runs; a sensible operator repairs, answers, resets, starts.
+// Each fault of the plant, injected in turn while the cell runs; a sensible operator repairs, answers,
+// resets, starts.
 #include <doctest/doctest.h>
 
 #include <cstdio>
@@ -187,7 +188,8 @@ TEST_CASE("Stuck register of any kind at any station harms no piece (IO-5)") {
         if ((reg == 1 || reg == 0) && value > 3)
           continue;  // a wrong code that is right somewhere: see code_wrong
         CellHarness cell(fifty_pallets(reg + 1));
-        // Not while the arm moves sideways: a position that reads "reached" on the way cannot be told from the truth.
+        // Not while the arm moves sideways: a position that reads "reached" on the way cannot be told from
+        // the truth.
         cell.run_until([] { return false; }, kFrom_ns);
         cell.run_until([&] { return cell.arm_step(unit) == kLowerToPick; }, kRun_ns);
         plant::Fault stuck = fault(FaultKind::register_stuck, unit, reg, value, 120 * kSecond);

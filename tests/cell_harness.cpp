@@ -179,7 +179,8 @@ void CellHarness::drive_outputs(int number) {
   static_assert(kGripperCoil == 7);
 }
 
-/// One write at a time, as a thread with one file would; urgent ones at once, others after the retain interval.
+/// One write at a time, as a thread with one file would; urgent ones at once, others after the retain
+/// interval.
 void CellHarness::serve_retain(Unit& unit) {
   RetainLink& link = unit.station->retain();
   if (unit.writing && unit.scan >= unit.write.done_at) {

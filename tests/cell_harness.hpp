@@ -1,4 +1,5 @@
-// CellHarness: the four stations with their programs, the plant, an in-process bus and a fake retain store, in virtual time.
+// CellHarness: the four stations with their programs, the plant, an in-process bus and a fake retain store,
+// in virtual time.
 // Owned by a test.
 // The test's thread alone; no clock, no sleep, no DDS.
 #pragma once
@@ -43,7 +44,8 @@ class CellHarness {
   plant::Plant& plant() noexcept { return plant_; }
   std::int64_t now_ns() const noexcept { return now_ns_; }
 
-  // -- running ---------------------------------------------------------------------------------------------------------
+  // -- running
+  // ---------------------------------------------------------------------------------------------------------
   /// One scan of all stations that live, after the plant's steps up to its time.
   void scan();
   /// Until `done` or for that long; true if done. The operator and the supervisor act meanwhile.
@@ -54,7 +56,8 @@ class CellHarness {
   /// The plant's own judgement of the run, empty when all is well; else what is wrong.
   std::string complaint() const;
 
-  // -- orders ----------------------------------------------------------------------------------------------------------
+  // -- orders
+  // ----------------------------------------------------------------------------------------------------------
   void start(int unit);
   void stop(int unit, StopMode mode);
   void reset(int unit);
@@ -68,7 +71,8 @@ class CellHarness {
   /// Every step that the program has a name for.
   static std::set<std::uint32_t> all_steps(const std::string& program);
 
-  // -- trouble ---------------------------------------------------------------------------------------------------------
+  // -- trouble
+  // ---------------------------------------------------------------------------------------------------------
   /// kill -9: what the fake disk had not committed is lost; what was being written may or may not be there.
   void kill(int unit, AfterDeath after, bool last_write_made_it);
   /// Another process: next epoch, retained data as the disk has them (or none), STOPPED.
@@ -79,7 +83,8 @@ class CellHarness {
   void withhold(const std::string& source) { withheld_ = source; }
   void set_samples_lost(double share) { options_.samples_lost = share; }
 
-  // -- people ----------------------------------------------------------------------------------------------------------
+  // -- people
+  // ----------------------------------------------------------------------------------------------------------
   /// Starts what is STOPPED though it should run; off for the stations that a test stops itself.
   std::array<bool, 4> keep_running = {true, true, true, true};
   /// Repairs, answers, resets, and starts what is in FAULT, after a while.

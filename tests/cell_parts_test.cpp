@@ -1,4 +1,5 @@
-// The programs' building blocks with plain values: announcements, arm, types of piece; the list of programs; codes.
+// The programs' building blocks with plain values: announcements, arm, types of piece; the list of
+// programs; codes.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -98,17 +99,25 @@ TEST_CASE("Announcement after a gap in SEQ is queued and reported") {
   CHECK(queue.size() == 2);
 }
 
-TEST_CASE("Announcement of a new EPOCH voids those whose pallets are neither here nor on their way") {
+TEST_CASE("Announcement of a new EPOCH with the code of the newest, whose pallet is not here, replaces it") {
   Announcements queue;
   queue.hear_set(piece(1, 1, 101), 0);
   queue.hear_set(piece(1, 2, 102), 0);
-  queue.hear_set(piece(1, 3, 103), 0);
-  queue.hear_end(piece(1, 2, 102), false);
+  CHECK(queue.hear_set(piece(2, 1, 102), 1) == Heard::queued);
+  CHECK(queue.size() == 2);
+  CHECK(queue.content().entries[1] == piece(2, 1, 102));
+}
+
+TEST_CASE("Announcement of a new EPOCH leaves those whose pallets are here, let go, or of another code") {
+  Announcements queue;
+  queue.hear_set(piece(1, 1, 101), 0);
   CHECK(queue.hear_set(piece(2, 1, 101), 1) == Heard::queued);
+  queue.hear_end(piece(2, 1, 101), false);
+  CHECK(queue.hear_set(piece(3, 1, 101), 0) == Heard::queued);
   CHECK(queue.size() == 3);
-  CHECK(queue.content().entries[0] == Announcement{1, 1, 101, true});
-  CHECK(queue.content().entries[1] == Announcement{1, 2, 102, true});
-  CHECK(queue.content().entries[2] == piece(2, 1, 101));
+  queue.pop_front();
+  CHECK(queue.hear_set(piece(4, 1, 102), 0) == Heard::queued);
+  CHECK(queue.size() == 3);
 }
 
 TEST_CASE("Announcement beyond three drops the oldest") {
