@@ -114,6 +114,7 @@ std::string event_json(const bus::Gse& gse) {
 std::string suggestion_for(const std::string& station, const Stations& stations) {
   std::vector<std::string_view> names;
   for (const auto& [name, seen] : stations) names.push_back(name);
+  names.emplace_back("supervisor");  // it publishes no Status
   return printable(config::suggestion(station, names));
 }
 

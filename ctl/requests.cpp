@@ -59,7 +59,7 @@ int show(const Arguments& arguments, const bus::MsgRes& reply) {
     print_line(text.empty() ? "done" : printable(text, true));
   }
   if (!reply.ERROR) return kDone;
-  std::string why = printable(text);
+  std::string why = printable(text.starts_with("refused: ") ? text.substr(9) : text);
   if (reply.STATUS != 0 && why.find(code_id(reply.STATUS)) == std::string::npos)
     why += (why.empty() ? "" : " (") + code_text(reply.STATUS) + (why.empty() ? "" : ")");
   std::fprintf(stderr, "stationctl: %s refused: %s\n", arguments.station.c_str(), why.c_str());
@@ -70,8 +70,6 @@ int ask_and_show(const Arguments& arguments, const std::string& text) {
   Client client(arguments);
   if (const std::optional<bus::MsgRes> reply = ask(client, arguments, text)) return show(arguments, *reply);
   const Stations stations = client.stations();
-  if (!stations.contains(arguments.station) && !suggestion_for(arguments.station, stations).empty())
-    return fail(arguments, kNoStation, no_station_text(arguments, stations));
   if (!stations.contains(arguments.station) && arguments.station != "supervisor")
     return fail(arguments, kNoStation, no_station_text(arguments, stations));
   return fail(arguments, kNoAnswer, no_answer_text(arguments, "did not answer", stations));

@@ -133,9 +133,10 @@ void Application::feed(const Received& received) {
     void operator()(const Received::Start& m) const { app.model_.on_start(m.order, origin.order); }
     void operator()(const Received::Stop& m) const { app.model_.on_stop(m.order, origin.order, at_ns); }
     void operator()(const Received::Request& m) const { app.answer_request(m.request, origin); }
-    void operator()(const Received::Alive& m) const { app.model_.on_liveliness(m.topic, m.alive, at_ns); }
+    void operator()(const Received::Alive& m) const { app.model_.on_liveliness(m.topic, m.alive); }
     void operator()(const Received::Incompatible& m) const {
-      app.own_notes_.push_back("a peer of topic " + m.topic + " is not compatible: " + m.policy);
+      std::string text = "a peer of topic " + m.topic + " is not compatible: " + m.policy;
+      app.own_notes_.push_back(std::move(text));
     }
     void operator()(const bus::MsgRes& m) const {
       if (app.role_settled_) return;

@@ -195,8 +195,12 @@ void Model::on_stop(const bus::MsgReq& order, std::uint64_t receipt_number, std:
   set_intent(*station, Intent::stopped, "an operator ordered Stop");
 }
 
-void Model::on_liveliness(std::string_view topic, int alive, std::int64_t) {
-  if (topic == "Status") writers_alive_ = alive;
+void Model::on_liveliness(std::string_view topic, int alive) {
+  if (topic != "Status") return;
+  if (alive < writers_alive_)
+    note("a controller has left the bus; " + std::to_string(alive) + (alive == 1 ? " is" : " are") +
+         " there");
+  writers_alive_ = alive;
 }
 
 // -- What is ordered --------------------------------------------------------------------------------------

@@ -80,7 +80,7 @@ class Model {
   void on_start(const bus::MsgReq& order, std::uint64_t receipt_number);
   void on_stop(const bus::MsgReq& order, std::uint64_t receipt_number, std::int64_t now_ns);
   /// The number of writers of that topic that are alive (Status, Set, End).
-  void on_liveliness(std::string_view topic, int alive, std::int64_t now_ns);
+  void on_liveliness(std::string_view topic, int alive);
 
   void set_role(Role role);
   Role role() const noexcept { return role_; }
@@ -95,7 +95,6 @@ class Model {
   const EventList& events() const noexcept { return events_; }
   /// No Status came for stale_after_ns (or ever).
   bool away(const StationRecord& station, std::int64_t now_ns) const noexcept;
-  int writers_alive() const noexcept { return writers_alive_; }
   /// Pieces that have left the cell.
   std::uint64_t pieces() const noexcept;
   const std::string& count_at() const noexcept { return options_.count_at; }

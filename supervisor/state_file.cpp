@@ -94,7 +94,7 @@ std::string FileStateStore::save(const SavedState& state) {
   const int fd = ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (fd < 0) return why(fresh);
   const bool written = write_all(fd, encode(state)) && ::fsync(fd) == 0;
-  const std::string text = written ? "" : why(fresh);
+  std::string text = written ? "" : why(fresh);
   ::close(fd);
   if (!written) {
     ::unlink(fresh.c_str());

@@ -10,7 +10,6 @@
 #include "tests/supervisor_fake_cell.hpp"
 
 using namespace stationd;
-using stationd::testing::eventually;
 using stationd::testing::FakeCell;
 
 namespace {

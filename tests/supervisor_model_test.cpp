@@ -249,6 +249,15 @@ TEST_CASE("an observer orders nothing but knows the intents") {
   CHECK(model.station("storage")->intent == Intent::stopped);
 }
 
+TEST_CASE("a controller that leaves the bus is noted") {
+  Model model(options());
+  model.on_liveliness("Status", 2);
+  model.on_liveliness("Set", 0);
+  CHECK(model.take_notes().empty());
+  model.on_liveliness("Status", 1);
+  CHECK(model.take_notes() == Names{"a controller has left the bus; 1 is there"});
+}
+
 TEST_CASE("a station outside the start order is shown and never ordered") {
   Model model(options());
   model.on_status(status("painter", StationState::STOPPED), 0);
