@@ -27,7 +27,18 @@ Controller::~Controller() {
   if (lock_fd_ >= 0) close(lock_fd_);
 }
 
+void Controller::name_unwatched_devices() {
+  for (const auto& device : devices_) {
+    const io::DeviceOptions& options = device->options();
+    if (options.kind != io::DeviceKind::modbus || options.heartbeat_period_ns > 0) continue;
+    log_.warning("device " + options.name +
+                 " has no heartbeat: unless it watches its connection by itself, its outputs "
+                 "stay as they are when this host dies");
+  }
+}
+
 std::vector<RtGrant> Controller::start() {
+  name_unwatched_devices();
   retain_->start();
   bridge_->start();
   for (auto& device : devices_) device->start();

@@ -1,4 +1,5 @@
-// Controller: everything that one configuration file asks for, built and connected: stations, tasks, devices, bus, stores.
+// Controller: everything that one configuration file asks for, built and connected: stations, tasks,
+// devices, bus, stores.
 // Owned by main(); the one place that composes the rest.
 // Built, started and stopped by the main thread; the threads it starts are in docs/architecture.md.
 #pragma once
@@ -74,6 +75,7 @@ class Controller {
                                             const std::vector<io::Point>& points);
   void build_tasks();
   void build_bus();
+  void name_unwatched_devices();
   void log_grants(const std::vector<RtGrant>& grants);
   bus::TaskFigures figures_of(const Task& task);
 

@@ -1,4 +1,5 @@
-// Exit statuses of stationd and of its companions, after sysexits.h; what a script or systemd tells failures apart by.
+// Exit statuses of stationd and of its companions, after sysexits.h; what a script or systemd tells failures
+// apart by.
 // Owned by nobody (constants).
 // Any thread.
 #pragma once

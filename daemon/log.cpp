@@ -25,7 +25,8 @@ spdlog::level::level_enum level_of(LogSeverity severity) {
   return levels[static_cast<std::size_t>(severity)];
 }
 
-/// Journald sets $JOURNAL_STREAM to DEVICE:INODE of the stream it gave us; anything else on fd 2 is not the journal.
+/// Journald sets $JOURNAL_STREAM to DEVICE:INODE of the stream it gave us; anything else on fd 2 is not the
+/// journal.
 bool stderr_is_journal() {
   const char* stream = std::getenv("JOURNAL_STREAM");
   struct stat status {};

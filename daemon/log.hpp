@@ -1,6 +1,7 @@
 // Log: the facade over spdlog; lines for people, and the same as journal fields under systemd.
 // Owned by main(); everything else gets a reference.
-// Any plain thread; never blocks on the sink (a full queue drops the oldest line and counts). Not for scan threads.
+// Any plain thread; never blocks on the sink (a full queue drops the oldest line and counts). Not for scan
+// threads.
 #pragma once
 
 #include <cstdint>

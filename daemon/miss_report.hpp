@@ -1,4 +1,5 @@
-// MissReport: turns a task's deadline misses into at most one log line a second, which says how many it stands for.
+// MissReport: turns a task's deadline misses into at most one log line a second, which says how many it
+// stands for.
 // Owned by housekeeping; one for each task.
 // The housekeeping thread only; time is a value.
 #pragma once
@@ -16,7 +17,8 @@ class MissReport {
  public:
   explicit MissReport(std::string task, std::string stations);
 
-  /// A record from the task's ring. The worst one (greatest response time) since the last line is the one that is shown.
+  /// A record from the task's ring. The worst one (greatest response time) since the last line is the one
+  /// that is shown.
   void add(const CycleRecord& record);
 
   struct Line {

@@ -58,7 +58,8 @@ void RetainThread::save(Item& item, std::int64_t now_ns) {
       log_.error("station " + item.station->name() +
                  ": retained tags are not written: " + item.store->error());
     item.failing = true;
-    return;  // still unsaved: tried again after the interval; an urgent ticket stays open, so the program waits
+    // still unsaved: tried again after the interval; an urgent ticket stays open, so the program waits
+    return;
   }
   if (item.failing) log_.info("station " + item.station->name() + ": retained tags are written again");
   item.failing = false;

@@ -17,7 +17,8 @@ namespace stationd {
 
 class RetainThread {
  public:
-  /// `interval_ns`: changed values are on disk at most so late; urgent ones (Cycle::save_retained) within some 10 ms.
+  /// `interval_ns`: changed values are on disk at most so late; urgent ones (Cycle::save_retained) within
+  /// some 10 ms.
   RetainThread(Log& log, std::int64_t interval_ns);
   ~RetainThread();
   /// Before start(). The store already holds this start's epoch.

@@ -7,7 +7,8 @@
 
 namespace stationd {
 
-/// Says for each Modbus device what happened; outputs with safe = "hold" are left alone. The result is an exit status: failure when
+/// Says for each Modbus device what happened; outputs with safe = "hold" are left alone. The result is an
+/// exit status: failure when
 /// a device could not be written.
 int write_safe_outputs(const config::Configuration& configuration);
 

@@ -1,4 +1,5 @@
-// Backend: how a device thread exchanges values with one field device; the seam with modbus, simulated, null, fake.
+// Backend: how a device thread exchanges values with one field device; the seam with modbus, simulated,
+// null, fake.
 // Owned by its device thread.
 // The device thread only; may block, up to the device's time-out.
 #pragma once
@@ -11,7 +12,8 @@
 
 namespace stationd::io {
 
-/// An output as it is to stand at the device. `write == false`: leave it as the device has it (safe value `hold`).
+/// An output as it is to stand at the device. `write == false`: leave it as the device has it (safe value
+/// `hold`).
 struct OutputValue {
   Slot value = 0;
   bool write = true;
@@ -35,9 +37,12 @@ class Backend {
  public:
   virtual ~Backend() = default;
 
-  /// Writes the outputs and reads all inputs, in the order of the points that the backend was made with (inputs and
-  /// outputs counted apart). `inputs` is only meaningful when the status is ok. Blocks at most about the device's time-out per
-  /// request; reconnects by itself with back-off (then returns `disconnected` at once). `now_ns`: CLOCK_MONOTONIC.
+  /// Writes the outputs and reads all inputs, in the order of the points that the backend was made with
+  /// (inputs and
+  /// outputs counted apart). `inputs` is only meaningful when the status is ok. Blocks at most about the
+  /// device's time-out per
+  /// request; reconnects by itself with back-off (then returns `disconnected` at once). `now_ns`:
+  /// CLOCK_MONOTONIC.
   virtual ExchangeResult exchange(std::span<const OutputValue> outputs, std::span<Slot> inputs,
                                   std::int64_t now_ns) = 0;
 

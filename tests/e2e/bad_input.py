@@ -8,15 +8,22 @@ from cell import BIN, ROOT, Cell, check, run, wait_for
 
 def stationd(cell, *arguments):
     environment = dict(cell.environment, STATE_DIRECTORY=str(cell.work))
-    return subprocess.run([str(BIN / "stationd"), *map(str, arguments)], capture_output=True, text=True, timeout=60,
-                          env=environment, cwd=ROOT, check=False)
+    return subprocess.run(
+        [str(BIN / "stationd"), *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env=environment,
+        cwd=ROOT,
+        check=False,
+    )
 
 
 def expect(name, result, status, *words):
     said = result.stdout + result.stderr
     check(f"{name}: exit status {status}", result.returncode == status, f"{result.returncode} {said[-300:]}")
     for word in words:
-        check(f"{name}: says \"{word}\"", word in said, "" if word in said else said)
+        check(f'{name}: says "{word}"', word in said, "" if word in said else said)
 
 
 def files(cell):
@@ -26,7 +33,9 @@ def files(cell):
     misspelt = cell.work / "misspelt.toml"
     misspelt.write_text(good.replace("priority", "prioritty", 1))
     expect("a broken file", stationd(cell, broken), 78, "broken.toml:")
-    expect("a misspelt key", stationd(cell, "--check", misspelt), 78, "misspelt.toml:", "prioritty", "priority")
+    expect(
+        "a misspelt key", stationd(cell, "--check", misspelt), 78, "misspelt.toml:", "prioritty", "priority"
+    )
     unknown = cell.work / "unknown.toml"
     unknown.write_text(good.replace('program = "robot"', 'program = "robott"'))
     expect("an unknown program", stationd(cell, unknown), 78, "robott", "loader")
@@ -41,8 +50,13 @@ def files(cell):
 
 
 def ports(cell):
-    second = subprocess.run([str(BIN / "plantsim"), "--port", str(cell.port)], capture_output=True, text=True,
-                            timeout=60, check=False)
+    second = subprocess.run(
+        [str(BIN / "plantsim"), "--port", str(cell.port)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
     expect("plantsim on a port in use", second, 69, str(cell.port), "in use")
 
 
@@ -52,7 +66,11 @@ def duplicates(cell):
     check("it says why", "already running" in cell.log("same"))
     other = cell.start("other", BIN / "stationd", ROOT / "config" / "controller1.toml", state="other")
     check("a second daemon with the same station name ends with status 69", other.wait(60) == 69)
-    check("it names the station", "loader" in cell.log("other") and "another" in cell.log("other"), cell.log("other"))
+    check(
+        "it names the station",
+        "loader" in cell.log("other") and "another" in cell.log("other"),
+        cell.log("other"),
+    )
     del cell.processes["same"], cell.processes["other"]
     check("the first one goes on", cell.processes["controller1"].poll() is None)
     check("its stations are as they were", set(cell.states().values()) == {"STOPPED"}, cell.states())

@@ -1,6 +1,7 @@
 """The cell as real processes, for end-to-end scenarios: plantsim, two controllers, supervisor, stationctl.
 
-Each scenario is a short script: parameters, run, named checks. Everything waits for conditions; nothing sleeps
+Each scenario is a short script: parameters, run, named checks. Everything waits for conditions; nothing
+sleeps
 for a result. Programs come from $STATIOND_BUILD/bin, the DDS domain from $STATIOND_TEST_DOMAIN.
 """
 
@@ -51,9 +52,15 @@ class Cell:
         self.work = pathlib.Path(tempfile.mkdtemp(prefix="stationd-e2e-"))
         self.pallets, self.speed, self.seed = pallets, speed, seed
         self.processes = {}
-        self.environment = dict(os.environ, STATIOND_DOMAIN=DOMAIN, STATIOND_PERIOD=period,
-                                STATIOND_SPEED=str(speed), STATIOND_SEED=str(seed), STATIOND_PALLETS=str(pallets),
-                                STATIOND_LEDGER=str(self.work / "ledger.json"))
+        self.environment = dict(
+            os.environ,
+            STATIOND_DOMAIN=DOMAIN,
+            STATIOND_PERIOD=period,
+            STATIOND_SPEED=str(speed),
+            STATIOND_SEED=str(seed),
+            STATIOND_PALLETS=str(pallets),
+            STATIOND_LEDGER=str(self.work / "ledger.json"),
+        )
         self.port = 0
 
     def __enter__(self):
@@ -77,20 +84,40 @@ class Cell:
             (self.work / state).mkdir(exist_ok=True)
             environment["STATE_DIRECTORY"] = str(self.work / state)
         with open(self.work / f"{name}.log", "a", encoding="utf-8") as log:
-            process = subprocess.Popen([str(c) for c in command], stdout=log, stderr=log, env=environment,
-                                       stdin=subprocess.DEVNULL, cwd=ROOT)
+            process = subprocess.Popen(
+                [str(c) for c in command],
+                stdout=log,
+                stderr=log,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                cwd=ROOT,
+            )
         self.processes[name] = process
         return process
 
     def start_plant(self):
         before = len(self.log("plantsim"))
-        command = [BIN / "plantsim", "--port", self.port, "--speed", self.speed, "--seed", self.seed,
-                   "--ledger", self.work / "ledger.json", "--state", self.work / "plant.state"]
+        command = [
+            BIN / "plantsim",
+            "--port",
+            self.port,
+            "--speed",
+            self.speed,
+            "--seed",
+            self.seed,
+            "--ledger",
+            self.work / "ledger.json",
+            "--state",
+            self.work / "plant.state",
+        ]
         if self.pallets:
             command += ["--pallets", self.pallets]
         process = self.start("plantsim", *command)
-        found = wait_for("plantsim listens", lambda: re.search(r"127\.0\.0\.1:(\d+)", self.log("plantsim")[before:]),
-                         alive=[process])
+        found = wait_for(
+            "plantsim listens",
+            lambda: re.search(r"127\.0\.0\.1:(\d+)", self.log("plantsim")[before:]),
+            alive=[process],
+        )
         self.port = int(found.group(1))
         self.environment["STATIOND_PLANT"] = f"127.0.0.1:{self.port}"
 
@@ -101,8 +128,13 @@ class Cell:
         return process
 
     def start_supervisor(self, *options):
-        return self.start("supervisor", BIN / "stationd-supervisor", *options, ROOT / "config" / "supervisor.toml",
-                          state="supervisor")
+        return self.start(
+            "supervisor",
+            BIN / "stationd-supervisor",
+            *options,
+            ROOT / "config" / "supervisor.toml",
+            state="supervisor",
+        )
 
     def start_all(self):
         self.start_plant()
@@ -127,9 +159,18 @@ class Cell:
             raise Failed(f"{name} did not end on SIGTERM within 20 s") from None
 
     def ctl(self, *arguments, timeout="5s"):
-        command = [str(BIN / "stationctl"), "--domain", DOMAIN, "--timeout", timeout, "--json", *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, timeout=GENEROUS, check=False,
-                              env=self.environment)
+        command = [
+            str(BIN / "stationctl"),
+            "--domain",
+            DOMAIN,
+            "--timeout",
+            timeout,
+            "--json",
+            *map(str, arguments),
+        ]
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=GENEROUS, check=False, env=self.environment
+        )
 
     def stations(self):
         """{name: what `stationctl --json list` says of it}"""
@@ -153,13 +194,19 @@ class Cell:
         return self.verdict().get("stored", 0)
 
     def wait_stored(self, count, limit=GENEROUS):
-        wait_for(f"{count} pieces are stored", lambda: self.stored() >= count, limit=limit,
-                 alive=list(self.processes.values()))
+        wait_for(
+            f"{count} pieces are stored",
+            lambda: self.stored() >= count,
+            limit=limit,
+            alive=list(self.processes.values()),
+        )
 
     def check_ledger(self, stored):
         verdict = self.verdict()
         check("the plant's ledger is clean", verdict.get("clean") is True, verdict)
-        check(f"{stored} pieces are stored, each right", verdict["stored_right"] == verdict["stored"] >= stored)
+        check(
+            f"{stored} pieces are stored, each right", verdict["stored_right"] == verdict["stored"] >= stored
+        )
 
 
 def run(scenario):

@@ -10,7 +10,10 @@ def scenario():
         wait_for("all four stations run", lambda: list(cell.states().values()).count("RUNNING") == 4)
         cell.wait_stored(20)
         rows = cell.stations()
-        check("both controllers are named", {r["controller"] for r in rows.values()} == {"controller1", "controller2"})
+        check(
+            "both controllers are named",
+            {r["controller"] for r in rows.values()} == {"controller1", "controller2"},
+        )
         stopped = cell.ctl("stop", "all")
         check("stationctl stop all succeeds", stopped.returncode == 0, stopped.stderr)
         check("no station runs", set(cell.states().values()) == {"STOPPED"}, cell.states())

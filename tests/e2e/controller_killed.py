@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Controller 2 is killed (kill -9) in mid-piece and started again: the cell goes on, the ledger is right (IMG-5)."""
+"""Controller 2 is killed (kill -9) in mid-piece and started again: the cell goes on, the ledger is right
+(IMG-5)."""
 
 from cell import Cell, check, run, wait_for
 
@@ -9,11 +10,16 @@ def scenario():
         cell.start_all()
         cell.wait_stored(3)
         for kill in range(3):
-            wait_for("the sealer is in mid-piece", lambda: cell.stations().get("sealer", {}).get("piece", 0) != 0)
+            wait_for(
+                "the sealer is in mid-piece", lambda: cell.stations().get("sealer", {}).get("piece", 0) != 0
+            )
             epoch = cell.stations()["sealer"]["epoch"]
             cell.kill("controller2")
             cell.start_controller("controller2")
-            wait_for(f"the sealer runs again after kill {kill + 1}", lambda: cell.states().get("sealer") == "RUNNING")
+            wait_for(
+                f"the sealer runs again after kill {kill + 1}",
+                lambda: cell.states().get("sealer") == "RUNNING",
+            )
             check("its epoch is one more", cell.stations()["sealer"]["epoch"] == epoch + 1)
             cell.wait_stored(6 + 3 * kill)
         cell.wait_stored(20)

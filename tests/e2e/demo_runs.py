@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""scripts/demo as a user runs it: pieces counted and judged; in process; at 1 ms; interrupted; nothing left behind."""
+"""scripts/demo as a user runs it: pieces counted and judged; in process; at 1 ms; interrupted; nothing left
+behind."""
 
 import os
 import pathlib
@@ -12,8 +13,14 @@ from cell import BIN, ROOT, check, run, wait_for
 
 def demo(folder, *arguments):
     environment = dict(os.environ, TMPDIR=str(folder))
-    return subprocess.Popen([ROOT / "scripts" / "demo", "--bin", BIN, *arguments], stdout=subprocess.PIPE,
-                            stderr=subprocess.STDOUT, text=True, env=environment, stdin=subprocess.DEVNULL)
+    return subprocess.Popen(
+        [ROOT / "scripts" / "demo", "--bin", BIN, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+    )
 
 
 def left_in(folder):
@@ -30,8 +37,12 @@ def pieces(folder, name, *arguments):
 def interrupted(folder):
     process = demo(folder, "--speed", "3")
     lines = []
-    wait_for("the cell runs", lambda: lines.append(process.stdout.readline()) or "supervisor" in lines[-1].lower()
-             or "RUNNING" in lines[-1])
+    wait_for(
+        "the cell runs",
+        lambda: lines.append(process.stdout.readline())
+        or "supervisor" in lines[-1].lower()
+        or "RUNNING" in lines[-1],
+    )
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)
     check("Ctrl-C ends it with status 0 or 130", process.returncode in (0, 130), process.returncode)

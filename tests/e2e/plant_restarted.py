@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The plant's Modbus server is stopped and started again: inputs turn BAD, the cell goes on, the ledger is right."""
+"""The plant's Modbus server is stopped and started again: inputs turn BAD, the cell goes on, the ledger is
+right."""
 
 from cell import Cell, check, run, wait_for
 

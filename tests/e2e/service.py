@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""stationd as a service manager sees it, on a notify socket: READY, STATUS, WATCHDOG, reload, stop (SYS-1)."""
+"""stationd as a service manager sees it, on a notify socket: READY, STATUS, WATCHDOG, reload, stop
+(SYS-1)."""
 
 import signal
 import socket
@@ -25,10 +26,20 @@ class Notifications:
 
 
 def safe_values(cell):
-    process = subprocess.run([BIN / "stationd", "--write-safe", ROOT / "config" / "controller1.toml"],
-                             capture_output=True, text=True, timeout=60, env=cell.environment, cwd=ROOT, check=False)
-    check("--write-safe writes to both devices", process.returncode == 0 and process.stdout.count("written") == 2,
-          process.stdout + process.stderr)
+    process = subprocess.run(
+        [BIN / "stationd", "--write-safe", ROOT / "config" / "controller1.toml"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        env=cell.environment,
+        cwd=ROOT,
+        check=False,
+    )
+    check(
+        "--write-safe writes to both devices",
+        process.returncode == 0 and process.stdout.count("written") == 2,
+        process.stdout + process.stderr,
+    )
 
 
 def scenario():
@@ -39,12 +50,20 @@ def scenario():
         cell.environment.update(NOTIFY_SOCKET=str(path), WATCHDOG_USEC="2000000")
         cell.start_controller("controller1")
         wait_for("READY comes once the first scan ran", lambda: "READY=1" in notifications.read())
-        wait_for("STATUS shows scans and misses", lambda: any(
-            line.startswith("STATUS=") and "scans" in line and "misses" in line for line in notifications.read()))
+        wait_for(
+            "STATUS shows scans and misses",
+            lambda: any(
+                line.startswith("STATUS=") and "scans" in line and "misses" in line
+                for line in notifications.read()
+            ),
+        )
         wait_for("WATCHDOG is fed", lambda: notifications.read().count("WATCHDOG=1") >= 3)
         daemon = cell.processes["controller1"]
         daemon.send_signal(signal.SIGHUP)
-        wait_for("SIGHUP reads the configuration again", lambda: "configuration read again" in cell.log("controller1"))
+        wait_for(
+            "SIGHUP reads the configuration again",
+            lambda: "configuration read again" in cell.log("controller1"),
+        )
         check("it says so to the service manager", "RELOADING=1" in notifications.read())
         began = time.monotonic()
         check("SIGTERM ends it with status 0", cell.end("controller1") == 0)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The supervisor is killed (kill -9) and started again: stations go on without it; it respects an operator's Stop."""
+"""The supervisor is killed (kill -9) and started again: stations go on without it; it respects an operator's
+Stop."""
 
 from cell import Cell, check, run, wait_for
 
