@@ -11,8 +11,8 @@ Starts the stations of a cell in the order that FILE (TOML) says, keeps them run
 pieces. What an operator stopped, or what faulted, it does not start again: an operator does
 (stationctl start STATION).
 
-One supervisor commands, others observe: at start it asks for a second whether another of its name commands the cell,
-and then only observes until it is started again. Beside one of another name, use --observe.
+One supervisor commands, others observe: at start it asks for a second whether another of its name commands
+the cell; if so, it only observes until it is started again. Beside one of another name, use --observe.
 
   --live            show the cell in the terminal (without a terminal: one line for each change)
   --observe         order nothing and save nothing: a second screen beside the supervisor that commands
