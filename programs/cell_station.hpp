@@ -76,7 +76,6 @@ class CellStation : public Program {
   void needs(std::initializer_list<const Handle*> inputs) { field_.insert(field_.end(), inputs); }
 
   // -- What each program says of its parts
-  // ---------------------------------------------------------------------------
   /// What is to be carried next for a piece of that type. `in_position`: it is here (sensors count); else
   /// it is announced and the first part may be fetched ahead. None: nothing (left) to do.
   virtual Errand wanted(const PieceType& type, bool in_position) const noexcept = 0;
@@ -97,7 +96,6 @@ class CellStation : public Program {
   virtual void derive(const PieceType* type) noexcept { static_cast<void>(type); }
 
   // -- For those hooks
-  // -------------------------------------------------------------------------------------------------
   bool placing(Kind kind) const noexcept {
     return ((piece_placing_.get() >> static_cast<unsigned>(kind)) & 1U) != 0;
   }

@@ -19,6 +19,11 @@
 
 namespace stationd::test {
 
+#ifdef CELL_THINNED
+inline constexpr int kThin = CELL_THINNED;  ///< builds with sanitizers are slow: every so-manieth run only
+#else
+inline constexpr int kThin = 1;
+#endif
 inline constexpr std::int64_t kMs = 1'000'000;
 inline constexpr std::int64_t kSecond = 1'000 * kMs;
 inline constexpr std::array<const char*, 4> kStationNames = {"loader", "robot", "sealer", "storage"};
@@ -45,7 +50,6 @@ class CellHarness {
   std::int64_t now_ns() const noexcept { return now_ns_; }
 
   // -- running
-  // ---------------------------------------------------------------------------------------------------------
   /// One scan of all stations that live, after the plant's steps up to its time.
   void scan();
   /// Until `done` or for that long; true if done. The operator and the supervisor act meanwhile.
@@ -57,7 +61,6 @@ class CellHarness {
   std::string complaint() const;
 
   // -- orders
-  // ----------------------------------------------------------------------------------------------------------
   void start(int unit);
   void stop(int unit, StopMode mode);
   void reset(int unit);
@@ -72,7 +75,6 @@ class CellHarness {
   static std::set<std::uint32_t> all_steps(const std::string& program);
 
   // -- trouble
-  // ---------------------------------------------------------------------------------------------------------
   /// kill -9: what the fake disk had not committed is lost; what was being written may or may not be there.
   void kill(int unit, AfterDeath after, bool last_write_made_it);
   /// Another process: next epoch, retained data as the disk has them (or none), STOPPED.
@@ -84,7 +86,6 @@ class CellHarness {
   void set_samples_lost(double share) { options_.samples_lost = share; }
 
   // -- people
-  // ----------------------------------------------------------------------------------------------------------
   /// Starts what is STOPPED though it should run; off for the stations that a test stops itself.
   std::array<bool, 4> keep_running = {true, true, true, true};
   /// Repairs, answers, resets, and starts what is in FAULT, after a while.
