@@ -135,13 +135,12 @@ void Application::feed(const Received& received) {
     void operator()(const Received::Request& m) const { app.answer_request(m.request, origin); }
     void operator()(const Received::Alive& m) const { app.model_.on_liveliness(m.topic, m.alive); }
     void operator()(const Received::Incompatible& m) const {
-      std::string text = "a peer of topic " + m.topic + " is not compatible: " + m.policy;
-      app.own_notes_.push_back(std::move(text));
+      app.own_notes_.push_back("a peer of topic " + m.topic + " is not compatible: " + m.policy);
     }
     void operator()(const bus::MsgRes& m) const {
       if (app.role_settled_) return;
       if (m.BODY != "id=" + std::string(kProbePrefix) + app.instance_ + " role=commanding") return;
-      app.own_notes_.push_back("another supervisor of this name commands the cell");
+      app.own_notes_.emplace_back("another supervisor of this name commands the cell");
       app.role_settled_ = true;
     }
   };
