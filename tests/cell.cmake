@@ -8,4 +8,6 @@ stationd_test(cell_run_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_run_test.cpp LI
 stationd_test(cell_kill_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_kill_test.cpp LIBS cell_harness)
 stationd_test(cell_fault_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_fault_test.cpp LIBS cell_harness)
 stationd_test(cell_parts_test FILES ${CMAKE_CURRENT_LIST_DIR}/cell_parts_test.cpp LIBS stationd_programs)
-set_tests_properties(cell_kill_test cell_run_test cell_fault_test PROPERTIES TIMEOUT 300)
+if(NOT STATIOND_SANITIZE) # which have a longer time-out already
+  set_tests_properties(cell_kill_test cell_run_test cell_fault_test PROPERTIES TIMEOUT 300)
+endif()
