@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """plantsim as a foreign Modbus client sees it: pymodbus, mbpoll, and sockets that say anything at all.
 
-usage: plantsim_test.py PLANTSIM   (needs python3-pymodbus and mbpoll; exit status 77 without them)
+usage: plantsim_test.py PLANTSIM   (needs python3-pymodbus and mbpoll)
 """
 import json
 import os
@@ -17,19 +17,8 @@ import time
 import types
 import unittest
 
-# pymodbus 3.0 imports its serial client with all others, and with it a package that TCP has no use for.
-try:
-    import serial_asyncio  # noqa: F401
-except ImportError:
-    stand_in = types.ModuleType("serial_asyncio")
-    stand_in.create_serial_connection = None
-    sys.modules["serial_asyncio"] = stand_in
-
-try:
-    from pymodbus.client import ModbusTcpClient
-except ImportError:
-    print("python3-pymodbus is not installed: skipped")
-    sys.exit(77)
+from pymodbus.client import ModbusTcpClient
+from pymodbus.exceptions import ModbusException
 
 PLANTSIM = os.path.abspath(sys.argv.pop(1))
 READ_COIL = bytes([0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1])
@@ -82,8 +71,16 @@ def until(condition, limit_s=10.0):
     return False
 
 
+def answers(plant):
+    """Whether a new client is let in and answered."""
+    try:
+        return not plant.client().read_coils(0, count=1, slave=1).isError()
+    except (AssertionError, OSError, ModbusException):
+        return False
+
+
 def bit(client, unit, address):
-    return client.read_discrete_inputs(address, 1, slave=unit).bits[0]
+    return client.read_discrete_inputs(address, count=1, slave=unit).bits[0]
 
 
 class Foreign(unittest.TestCase):
@@ -91,15 +88,15 @@ class Foreign(unittest.TestCase):
         with Plantsim() as plant:
             client = plant.client()
             for unit in (1, 2, 3, 4):
-                self.assertEqual(client.read_discrete_inputs(0, 20, slave=unit).bits[5], True)
-                self.assertEqual(client.read_input_registers(0, 7, slave=unit).registers[2:5], [1, 50, 50])
+                self.assertEqual(client.read_discrete_inputs(0, count=20, slave=unit).bits[5], True)
+                self.assertEqual(client.read_input_registers(0, count=7, slave=unit).registers[2:5], [1, 50, 50])
                 self.assertFalse(client.write_coils(0, [True] + 8 * [False], slave=unit).isError())
                 self.assertFalse(client.write_coil(4, True, slave=unit).isError())
-                self.assertEqual(client.read_coils(0, 9, slave=unit).bits[:9],
+                self.assertEqual(client.read_coils(0, count=9, slave=unit).bits[:9],
                                  [True, False, False, False, True, False, False, False, False])
                 self.assertFalse(client.write_register(0, unit, slave=unit).isError())
                 self.assertFalse(client.write_registers(0, [unit, 9], slave=unit).isError())
-                self.assertEqual(client.read_holding_registers(0, 2, slave=unit).registers, [unit, 9])
+                self.assertEqual(client.read_holding_registers(0, count=2, slave=unit).registers, [unit, 9])
 
     def test_pallet_driven_by_a_client_reaches_the_position_and_its_code_is_read(self):
         with Plantsim("--codes", "102", "--speed", "5") as plant:
@@ -112,7 +109,7 @@ class Foreign(unittest.TestCase):
             self.assertTrue(until(lambda: bit(client, 1, 2)), "no pallet in position")
             client.write_coil(4, True, slave=1)
             self.assertTrue(until(lambda: bit(client, 1, 15)), "no code")
-            self.assertEqual(client.read_input_registers(0, 2, slave=1).registers, [0, 102])
+            self.assertEqual(client.read_input_registers(0, count=2, slave=1).registers, [0, 102])
 
     def test_mbpoll_reads_the_levels(self):
         with Plantsim() as plant:
@@ -123,22 +120,22 @@ class Foreign(unittest.TestCase):
 
     def test_unknown_unit_is_refused_as_gateway_target_failed(self):
         with Plantsim() as plant:
-            self.assertEqual(plant.client().read_coils(0, 1, slave=5).exception_code, 0x0B)
+            self.assertEqual(plant.client().read_coils(0, count=1, slave=5).exception_code, 0x0B)
 
     def test_address_beyond_the_table_is_refused(self):
         with Plantsim() as plant:
             client = plant.client()
-            self.assertEqual(client.read_coils(9, 1, slave=1).exception_code, 2)
-            self.assertEqual(client.read_discrete_inputs(0, 21, slave=1).exception_code, 2)
+            self.assertEqual(client.read_coils(9, count=1, slave=1).exception_code, 2)
+            self.assertEqual(client.read_discrete_inputs(0, count=21, slave=1).exception_code, 2)
             self.assertEqual(client.write_register(2, 1, slave=1).exception_code, 2)
 
     def test_unit_without_writes_drops_its_coils(self):
         with Plantsim("--watchdog", "200ms") as plant:
             client = plant.client()
             client.write_coils(0, [True] + 6 * [False] + [True], slave=1)
-            self.assertTrue(client.read_coils(0, 1, slave=1).bits[0])
-            self.assertTrue(until(lambda: not client.read_coils(0, 1, slave=1).bits[0], 2))
-            self.assertTrue(client.read_coils(7, 1, slave=1).bits[0], "the gripper was to hold")
+            self.assertTrue(client.read_coils(0, count=1, slave=1).bits[0])
+            self.assertTrue(until(lambda: not client.read_coils(0, count=1, slave=1).bits[0], 2))
+            self.assertTrue(client.read_coils(7, count=1, slave=1).bits[0], "the gripper was to hold")
 
     def test_injected_fault_shows_at_its_time(self):
         with Plantsim("--inject", "sensor:2.pallet_in_position=1@300ms+500ms") as plant:
@@ -160,7 +157,7 @@ class Hostile(unittest.TestCase):
                         self.assertEqual(bad.recv(100), b"", text)
                     except ConnectionResetError:
                         pass  # closed with our bytes unread: just as good
-                self.assertFalse(good.read_coils(0, 1, slave=1).isError())
+                self.assertFalse(good.read_coils(0, count=1, slave=1).isError())
 
     def test_random_bytes_do_not_end_it(self):
         with Plantsim() as plant:
@@ -169,7 +166,8 @@ class Hostile(unittest.TestCase):
                 with plant.socket() as bad:
                     body = source.randbytes(source.randrange(1, 200))
                     bad.sendall(struct.pack(">HHH", 1, 0, source.choice([len(body), 5, 254, 300])) + body)
-            self.assertFalse(plant.client().read_coils(0, 1, slave=1).isError())
+            # The server notices closed connections in its own time; until then its limit may be reached.
+            self.assertTrue(until(lambda: answers(plant), 10), "it does not answer after random bytes")
             self.assertIsNone(plant.process.poll())
 
     def test_twenty_clients_are_each_answered(self):
@@ -179,7 +177,7 @@ class Hostile(unittest.TestCase):
                 for number, client in enumerate(clients):
                     unit = number % 4 + 1
                     self.assertFalse(client.write_register(1, turn * 100 + number, slave=unit).isError())
-                    self.assertEqual(client.read_holding_registers(1, 1, slave=unit).registers,
+                    self.assertEqual(client.read_holding_registers(1, count=1, slave=unit).registers,
                                      [turn * 100 + number])
 
     def test_client_beyond_the_limit_is_turned_away_and_let_in_when_one_leaves(self):
@@ -221,7 +219,7 @@ class Hostile(unittest.TestCase):
             except BlockingIOError:
                 pass
             start = time.monotonic()
-            self.assertFalse(plant.client().read_coils(0, 1, slave=1).isError())
+            self.assertFalse(plant.client().read_coils(0, count=1, slave=1).isError())
             self.assertLess(time.monotonic() - start, 1.0)
 
 
@@ -299,7 +297,7 @@ class Life(unittest.TestCase):
             self.assertTrue(bit(client, 1, 2), "the pallet is gone")
             client.write_coil(4, True, slave=1)
             self.assertTrue(until(lambda: bit(client, 1, 15)))
-            self.assertEqual(client.read_input_registers(0, 2, slave=1).registers, [0, 103])
+            self.assertEqual(client.read_input_registers(0, count=2, slave=1).registers, [0, 103])
 
     def test_ledger_is_whole_json_whenever_it_is_read(self):
         with Plantsim("--ledger", self.path("ledger"), "--speed", "100"):
