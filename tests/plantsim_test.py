@@ -89,7 +89,8 @@ class Foreign(unittest.TestCase):
             client = plant.client()
             for unit in (1, 2, 3, 4):
                 self.assertEqual(client.read_discrete_inputs(0, count=20, slave=unit).bits[5], True)
-                self.assertEqual(client.read_input_registers(0, count=7, slave=unit).registers[2:5], [1, 50, 50])
+                registers = client.read_input_registers(0, count=7, slave=unit).registers
+                self.assertEqual(registers[2:5], [1, 50, 50])
                 self.assertFalse(client.write_coils(0, [True] + 8 * [False], slave=unit).isError())
                 self.assertFalse(client.write_coil(4, True, slave=unit).isError())
                 self.assertEqual(client.read_coils(0, count=9, slave=unit).bits[:9],

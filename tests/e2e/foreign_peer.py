@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A peer on Cyclone DDS, made from the paper's literal Table 4, takes part in the running cell (PV-5, ASE-4, REQ-1)."""
+"""A peer on Cyclone DDS, made from the paper's literal Table 4, joins the cell (PV-5, ASE-4, REQ-1)."""
 
 import subprocess
 
