@@ -95,7 +95,7 @@ class Cell:
         self.processes[name] = process
         return process
 
-    def start_plant(self):
+    def start_plant(self, *options):
         before = len(self.log("plantsim"))
         command = [
             BIN / "plantsim",
@@ -112,6 +112,7 @@ class Cell:
         ]
         if self.pallets:
             command += ["--pallets", self.pallets]
+        command += options
         process = self.start("plantsim", *command)
         found = wait_for(
             "plantsim listens",

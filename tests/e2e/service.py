@@ -42,6 +42,23 @@ def safe_values(cell):
     )
 
 
+def late(cell, daemon):
+    """The daemon is stopped for a while: scans that did not run are deadline misses, and in the log (SCAN-4)."""
+    scans = cell.stations()["loader"]["scans"]
+    daemon.send_signal(signal.SIGSTOP)
+    time.sleep(0.3)
+    daemon.send_signal(signal.SIGCONT)
+    line = wait_for(
+        "the deadline misses are in the log",
+        lambda: next((text for text in cell.log("controller1").splitlines() if "deadline miss:" in text), ""),
+    )
+    for word in ("task main", "loader, robot", "scan ", "lateness", "execution", "skipped"):
+        check(f'the line has "{word}"', word in line, "" if word in line else line)
+    misses = wait_for("Status counts them", lambda: cell.stations()["loader"]["deadline_misses"])
+    check("at least 25 periods of 10 ms were missed", misses >= 25, misses)
+    wait_for("the scan goes on", lambda: cell.stations()["loader"]["scans"] > scans + 10)
+
+
 def scenario():
     with Cell() as cell:
         path = cell.work / "notify"
@@ -59,6 +76,7 @@ def scenario():
         )
         wait_for("WATCHDOG is fed", lambda: notifications.read().count("WATCHDOG=1") >= 3)
         daemon = cell.processes["controller1"]
+        late(cell, daemon)
         daemon.send_signal(signal.SIGHUP)
         wait_for(
             "SIGHUP reads the configuration again",
