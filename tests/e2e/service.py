@@ -43,7 +43,7 @@ def safe_values(cell):
 
 
 def late(cell, daemon):
-    """The daemon is stopped for a while: scans that did not run are deadline misses, and in the log (SCAN-4)."""
+    """The daemon is stopped for a while: the scans left out are misses, and in the log (SCAN-4)."""
     scans = cell.stations()["loader"]["scans"]
     daemon.send_signal(signal.SIGSTOP)
     time.sleep(0.3)
