@@ -1,19 +1,11 @@
 #include "dds_bridge/bridge_context.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "scan/codes.hpp"
 
 namespace stationd::bus {
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 std::string code_text(std::uint32_t code) { return "ST" + std::to_string(code); }
 

@@ -39,7 +39,7 @@ bool Bus::write_request(const MsgReq& sample, Origin* identity) {
 }
 
 bool Bus::write_reply(const MsgRes& sample, const Origin& related) {
-  return impl_->writers.write_related(TopicId::reply, &sample, &related, nullptr);
+  return impl_->writers.write_reply(sample, related);
 }
 
 void Bus::prepare_writers(const std::vector<std::string>& names) {

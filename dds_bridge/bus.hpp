@@ -94,7 +94,9 @@ class Bus {
   bool write_stop(const MsgReq& sample);
   /// Returns the sample's identity in `identity` for correlating the reply.
   bool write_request(const MsgReq& sample, Origin* identity = nullptr);
-  /// `related`: origin of the request that this answers.
+  /// `related`: origin of the request that this answers. Where the reader for the reply has not been
+  /// discovered yet, the
+  /// reply waits for it, half a second at most; so true means taken, not sent.
   bool write_reply(const MsgRes& sample, const Origin& related);
   /// Creates the writers of those topics now ("Set", "Start", ...), so that discovery has begun before the
   /// first write.

@@ -17,6 +17,7 @@ class KeyFilter final : public compat::ContentFilter {
 
   /// A sample that cannot be read passes, so that it is counted where samples are taken.
   bool evaluate(const SerializedPayload& payload, const FilterSampleInfo&, const GUID_t&) const override {
+    const PayloadUse use(payload);
     const std::span<const std::byte> bytes(reinterpret_cast<const std::byte*>(payload.data), payload.length);
     const auto value = peek_text(table_, member_, bytes);
     return !value || std::ranges::find(names_, *value) != names_.end();

@@ -4,6 +4,7 @@
 #include <ifaddrs.h>
 #include <pthread.h>
 #include <sched.h>
+#include <time.h>
 
 #include <algorithm>
 #include <memory>
@@ -58,6 +59,12 @@ void check_thread() {
 
 }  // namespace
 
+std::int64_t monotonic_ns() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
 void put_guid(const compat::rtps::GUID_t& guid, Origin& origin) noexcept {
   origin.writer_high = 0;
   origin.writer_low = 0;
@@ -82,7 +89,7 @@ compat::rtps::GUID_t guid_of(const Origin& origin) noexcept {
   return guid;
 }
 
-Participant::Participant(const Options& wanted) : options(wanted) {
+Participant::Participant(Options wanted) : options(std::move(wanted)) {
   if (options.domain < 0 || options.domain > kHighestDomain) {
     throw BusError("DDS domain " + std::to_string(options.domain) +
                    " is not allowed: 0 to 99 (the ports of higher ones "

@@ -129,7 +129,7 @@ dds::DataReaderQos reader_qos(Service service, const Options& options) {
 }
 
 EndpointQos read_back(std::string_view topic, const dds::DataWriter& writer) {
-  const dds::DataWriterQos qos = writer.get_qos();
+  const dds::DataWriterQos& qos = writer.get_qos();
   EndpointQos is = describe(topic, qos);
   is.writer = true;
   is.transport_priority = qos.transport_priority().value;

@@ -1,7 +1,6 @@
 #include "dds_bridge/readers.hpp"
 
 #include <pthread.h>
-#include <time.h>
 
 #include <algorithm>
 #include <utility>
@@ -15,12 +14,6 @@ namespace {
 constexpr std::int64_t kWatchPeriod = 100'000'000;  // matches and incompatible peers are looked at so often
 constexpr std::size_t kBurst = 16;                  // samples of one topic before Stop is looked at again
 constexpr std::size_t kOrders = 1024;               // orders taken at once
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
 
 Origin origin_of(const compat::dds::SampleInfo& info) noexcept {
   Origin origin;
@@ -122,6 +115,7 @@ void Readers::run() {
     while (!end_.get_trigger_value() && round()) {
     }
     const std::int64_t now_ns = monotonic_ns();
+    writers_.flush_replies(now_ns);
     if (now_ns - watched_ns < kWatchPeriod) continue;
     watched_ns = now_ns;
     watch_matches();

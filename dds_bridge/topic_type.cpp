@@ -11,6 +11,7 @@ TopicType::TopicType(const TypeTable& table) : table_(table) {
 }
 
 bool TopicType::encode(const void* data, compat::rtps::SerializedPayload_t& payload) noexcept {
+  const PayloadUse use(payload);
   const std::span<std::byte> out(reinterpret_cast<std::byte*>(payload.data), payload.max_size);
   payload.length = bus::encode(table_, static_cast<const Sample*>(data)->object, out);
   payload.encapsulation = CDR_LE;
@@ -19,6 +20,7 @@ bool TopicType::encode(const void* data, compat::rtps::SerializedPayload_t& payl
 
 bool TopicType::decode(const compat::rtps::SerializedPayload_t& payload, void* data) noexcept {
   auto& sample = *static_cast<Sample*>(data);
+  const PayloadUse use(payload);
   const std::span<const std::byte> in(reinterpret_cast<const std::byte*>(payload.data), payload.length);
   sample.valid = bus::decode(table_, in, sample.object);
   return true;

@@ -8,7 +8,35 @@
 #include "dds_bridge/compat.hpp"
 #include "dds_bridge/type_table.hpp"
 
+#if defined(__SANITIZE_THREAD__)
+extern "C" void __tsan_acquire(void* address);
+extern "C" void __tsan_release(void* address);
+#endif
+
 namespace stationd::bus {
+
+/// Marks the use of a payload's buffer. The library's pool hands buffers on under a lock of its own, from
+/// readers to
+/// writers of other participants too; ThreadSanitizer does not see that lock, for the library is not
+/// instrumented.
+class PayloadUse {
+ public:
+  explicit PayloadUse(const compat::rtps::SerializedPayload_t& payload) noexcept : data_(payload.data) {
+#if defined(__SANITIZE_THREAD__)
+    __tsan_acquire(data_);
+#endif
+  }
+  ~PayloadUse() {
+#if defined(__SANITIZE_THREAD__)
+    __tsan_release(data_);
+#endif
+  }
+  PayloadUse(const PayloadUse&) = delete;
+  PayloadUse& operator=(const PayloadUse&) = delete;
+
+ private:
+  [[maybe_unused]] void* data_;
+};
 
 /// What Fast DDS sees as a sample. Decoding never fails towards the library: a malformed sample arrives as
 /// one with `valid` false and is dropped and counted by whoever takes it.

@@ -6,6 +6,14 @@
 #include "dds_bridge/topic_type.hpp"
 
 namespace stationd::bus {
+namespace {
+
+constexpr std::array<std::uint8_t, 2> kFastDdsVendor = {0x01, 0x0F};  // a GUID begins with its vendor
+constexpr std::int64_t kSettleNs = 100'000'000;
+constexpr std::int64_t kReplyWaitNs = 500'000'000;
+constexpr std::size_t kMostWaiting = 1024;
+
+}  // namespace
 
 std::string policy_name(std::uint32_t policy) {
   static constexpr std::array<const char*, 25> names = {"INVALID",
@@ -36,6 +44,29 @@ std::string policy_name(std::uint32_t policy) {
   return policy < names.size() ? names[policy] : "policy " + std::to_string(policy);
 }
 
+void ReplyReaders::on_publication_matched(compat::dds::DataWriter*,
+                                          const compat::dds::PublicationMatchedStatus& status) {
+  Prefix prefix{};
+  for (std::size_t i = 0; i < prefix.size(); ++i) prefix[i] = status.last_subscription_handle.value[i];
+  const std::lock_guard lock(mutex_);
+  Peer& peer = peers_[prefix];
+  peer.readers += status.current_count_change;
+  if (peer.readers <= 0) peers_.erase(prefix);
+}
+
+bool ReplyReaders::ready(const Origin& origin, std::int64_t now_ns) {
+  const compat::rtps::GUID_t guid = guid_of(origin);
+  Prefix prefix{};
+  for (std::size_t i = 0; i < prefix.size(); ++i) prefix[i] = guid.guidPrefix.value[i];
+  const std::lock_guard lock(mutex_);
+  const auto found = peers_.find(prefix);
+  if (found == peers_.end()) return false;
+  if (prefix[0] == kFastDdsVendor[0] && prefix[1] == kFastDdsVendor[1]) return true;
+  Peer& peer = found->second;
+  if (peer.asked_ns == 0) peer.asked_ns = now_ns;
+  return now_ns - peer.asked_ns >= kSettleNs;
+}
+
 Writers::~Writers() {
   for (auto& slot : writers_) {
     auto* made = slot.exchange(nullptr);
@@ -50,8 +81,11 @@ compat::dds::DataWriter& Writers::writer(TopicId id) {
   auto* made = slot.load(std::memory_order_relaxed);
   if (made == nullptr) {
     const TopicInfo& info = topic(id);
-    made = participant_.publisher().create_datawriter(&participant_.topic(id),
-                                                      writer_qos(info.service, participant_.options));
+    made = participant_.publisher().create_datawriter(
+        &participant_.topic(id), writer_qos(info.service, participant_.options),
+        id == TopicId::reply ? &reply_readers_ : nullptr,
+        id == TopicId::reply ? compat::dds::StatusMask::publication_matched()
+                             : compat::dds::StatusMask::none());
     if (made == nullptr)
       throw BusError("DDS writer of topic " + std::string(info.name) + " could not be created");
     slot.store(made, std::memory_order_release);
@@ -95,6 +129,29 @@ bool Writers::write_related(TopicId id, const void* object, const Origin* relate
   }
   if (!written) failures_.fetch_add(1, std::memory_order_relaxed);
   return written;
+}
+
+bool Writers::write_reply(const MsgRes& reply, const Origin& related) noexcept try {
+  const bool asked_by_somebody = related.writer_high != 0 || related.writer_low != 0;
+  if (asked_by_somebody && !reply_readers_.ready(related, monotonic_ns())) {
+    const std::lock_guard lock(waiting_mutex_);
+    if (waiting_.size() >= kMostWaiting) return false;
+    waiting_.push_back({reply, related, monotonic_ns() + kReplyWaitNs});
+    return true;
+  }
+  return write_related(TopicId::reply, &reply, &related, nullptr);
+} catch (...) {
+  return false;
+}
+
+void Writers::flush_replies(std::int64_t now_ns) noexcept try {
+  const std::lock_guard lock(waiting_mutex_);
+  std::erase_if(waiting_, [&](const Waiting& waiting) {
+    if (now_ns < waiting.until_ns && !reply_readers_.ready(waiting.related, now_ns)) return false;
+    write_related(TopicId::reply, &waiting.reply, &waiting.related, nullptr);
+    return true;
+  });
+} catch (...) {  // no memory to look at them: next time
 }
 
 int Writers::matched(TopicId id) const {

@@ -157,8 +157,6 @@ TEST_CASE("ten clients when they ask at once then each gets its own replies [REQ
   std::vector<std::unique_ptr<Desk>> desks;
   for (int i = 0; i < clients; ++i) desks.push_back(std::make_unique<Desk>("desk" + std::to_string(i)));
   for (auto& desk : desks) REQUIRE(desk->reaches());
-  // A reply can only come once the station has found the client's reader, too.
-  REQUIRE(eventually([&] { return controller.bus.matched_readers("Msg_Res") >= clients; }));
   for (int k = 0; k < requests; ++k) {
     for (int i = 0; i < clients; ++i) {
       const std::string id = std::to_string(i * 1000 + k);
