@@ -62,13 +62,13 @@ struct Desk {
     bus.start(handlers);
     bus.prepare_writers({"Start", "Stop", "Msg_Req", "Set", "Status"});
   }
-  bool reaches() {
+  bool reaches() const {
     return eventually([&] {
       return bus.matched_readers("Start") > 0 && bus.matched_readers("Stop") > 0 &&
              bus.matched_readers("Msg_Req") > 0;
     });
   }
-  bool sees(StationState state) {
+  bool sees(StationState state) const {
     return eventually([&] {
       const auto all = states.all();
       return !all.empty() && all.back().STATE == static_cast<std::uint32_t>(state);

@@ -16,7 +16,6 @@ using plant::FaultKind;
 namespace {
 
 namespace co = plant::co;
-namespace di = plant::di;
 
 constexpr std::int64_t kRun_ns = 3'000 * kSecond;
 constexpr std::int64_t kFrom_ns = 60 * kSecond;

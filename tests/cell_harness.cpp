@@ -8,8 +8,6 @@
 namespace stationd::test {
 namespace {
 
-namespace di = plant::di;
-
 constexpr std::int64_t kInputsStale_ns = 50 * kMs, kInputsBad_ns = 500 * kMs;
 constexpr std::int64_t kBusStale_ns = 500 * kMs, kBusBad_ns = 1500 * kMs;
 constexpr std::int64_t kOutputsStay_ns = 400 * kMs;  // the unit's own watchdog, see docs/cell.md
@@ -100,16 +98,16 @@ void CellHarness::revive(int number, bool cold) {
   inputs.insert(inputs.end(), own.begin(), own.end());
   unit.readers.clear();
   for (std::size_t i = 0; i < inputs.size(); ++i)
-    unit.readers.push_back([i](const plant::UnitIo& io) { return Slot{io.discrete_inputs[i]}; });
+    unit.readers.emplace_back([i](const plant::UnitIo& io) { return Slot{io.discrete_inputs[i]}; });
   inputs.insert(inputs.end(), {"pallet_code", "arm_position"});
-  unit.readers.push_back([](const plant::UnitIo& io) { return Slot{io.pallet_code()}; });
+  unit.readers.emplace_back([](const plant::UnitIo& io) { return Slot{io.pallet_code()}; });
   for (std::size_t i = plant::ir::arm_position; i < plant::ir::level_first + registers.size(); ++i)
-    unit.readers.push_back([i](const plant::UnitIo& io) { return Slot{io.input_registers[i]}; });
+    unit.readers.emplace_back([i](const plant::UnitIo& io) { return Slot{io.input_registers[i]}; });
   inputs.insert(inputs.end(), registers.begin(), registers.end());
   unit.station->add_device_inputs("unit", inputs, kInputsStale_ns, kInputsBad_ns);
   std::vector<std::string> outputs = kCoils;
-  if (number == kSealer) outputs.push_back("press_down");
-  outputs.push_back("arm_target");
+  if (number == kSealer) outputs.emplace_back("press_down");
+  outputs.emplace_back("arm_target");
   unit.station->add_device_outputs("unit", outputs);
   unit.station->set_bus_limits(kBusStale_ns, kBusBad_ns);
   unit.station->seal();
@@ -181,7 +179,7 @@ void CellHarness::drive_outputs(int number) {
 
 /// One write at a time, as a thread with one file would; urgent ones at once, others after the retain
 /// interval.
-void CellHarness::serve_retain(Unit& unit) {
+void CellHarness::serve_retain(Unit& unit) const {
   RetainLink& link = unit.station->retain();
   if (unit.writing && unit.scan >= unit.write.done_at) {
     unit.writing = false;

@@ -137,7 +137,7 @@ class CellHarness {
   std::uint32_t step_tag(int unit, const char* name) const;
   void feed_inputs(int unit);
   void drive_outputs(int unit);
-  void serve_retain(Unit& unit);
+  void serve_retain(Unit& unit) const;
   void serve_bus(int unit);
   void deliver(const std::string& source, const std::vector<std::string>& members,
                const std::vector<Slot>& values);
