@@ -18,7 +18,7 @@ namespace stationd::bus {
 class Participant {
  public:
   /// Throws BusError.
-  explicit Participant(const Options& options);
+  explicit Participant(Options options);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
