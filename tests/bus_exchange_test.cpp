@@ -20,10 +20,10 @@ bool matched(const Bus& bus, const std::string& topic, int count = 1) {
 }
 
 TEST_CASE("pv_topics when written then arrive with every member [PV-5]") {
-  Both cell;
   Inbox<Set> sets;
   Inbox<End> ends;
   Inbox<Status> states;
+  Both cell;
   Handlers handlers;
   handlers.on_set = [&](const Set& set, const Origin&) { sets.put(set); };
   handlers.on_end = [&](const End& end, const Origin&) { ends.put(end); };
@@ -68,6 +68,7 @@ TEST_CASE("pv_topics when written then arrive with every member [PV-5]") {
 }
 
 TEST_CASE("event_reader when it comes late then receives every event in order [ASE-2]") {
+  Inbox<Gse> events;
   Both cell;
   constexpr std::uint32_t count = 500;
   cell.sender.prepare_writers({"GSE"});
@@ -78,7 +79,6 @@ TEST_CASE("event_reader when it comes late then receives every event in order [A
     event.TEXT = "gripper holds an unknown part";
     REQUIRE(cell.sender.write(event));
   }
-  Inbox<Gse> events;
   Handlers handlers;
   handlers.on_gse = [&](const Gse& event, const Origin&) { events.put(event); };
   cell.receiver.start(handlers);
@@ -90,8 +90,8 @@ TEST_CASE("event_reader when it comes late then receives every event in order [A
 }
 
 TEST_CASE("request when answered then the reply names its identity [REQ-1]") {
-  Both cell;
   Inbox<std::pair<Origin, std::string>> replies;
+  Both cell;
   Handlers server;
   server.names = {"robot"};
   server.on_request = [&](const MsgReq& request, const Origin& origin) {
@@ -127,8 +127,8 @@ TEST_CASE("request when answered then the reply names its identity [REQ-1]") {
 }
 
 TEST_CASE("content_filter when another station is named then its samples do not arrive [PV-4, REQ-1]") {
-  Both cell;
   Inbox<std::string> got;
+  Both cell;
   Handlers handlers;
   handlers.stations = {"loader", "sealer"};
   handlers.names = {"robot"};
@@ -154,11 +154,11 @@ TEST_CASE("content_filter when another station is named then its samples do not 
 }
 
 TEST_CASE("stop when Starts wait before it then is handed out first with its place in the order [REQ-2]") {
-  Both cell;
   Inbox<std::pair<std::string, std::uint64_t>> got;
   std::mutex gate;
-  gate.lock();
   std::atomic<bool> waiting{false};
+  Both cell;
+  gate.lock();
   Handlers handlers;
   handlers.names = {"robot"};
   handlers.on_stop = [&](const MsgReq& order, const Origin& origin) { got.put({order.BODY, origin.order}); };
@@ -191,8 +191,8 @@ TEST_CASE("stop when Starts wait before it then is handed out first with its pla
 }
 
 TEST_CASE("oversized key when written then is refused and counted, and nothing stops") {
-  Both cell;
   Inbox<Set> sets;
+  Both cell;
   Handlers handlers;
   handlers.on_set = [&](const Set& set, const Origin&) { sets.put(set); };
   cell.receiver.start(handlers);

@@ -106,8 +106,8 @@ Bytes request_bytes(std::size_t station_length, unsigned char order) {
 }
 
 TEST_CASE("events when malformed then are counted and the next good one arrives") {
-  Bus bus(options("reader"));
   Inbox<Gse> events;
+  Bus bus(options("reader"));
   Handlers handlers;
   handlers.on_gse = [&](const Gse& m, const Origin&) { events.put(m); };
   bus.start(handlers);
@@ -129,8 +129,8 @@ TEST_CASE("events when malformed then are counted and the next good one arrives"
 }
 
 TEST_CASE("keyed requests when malformed then are counted and the next good one arrives [REQ-5]") {
-  Bus bus(options("reader"));
   Inbox<MsgReq> requests;
+  Bus bus(options("reader"));
   Handlers handlers;
   handlers.on_request = [&](const MsgReq& m, const Origin&) { requests.put(m); };
   handlers.names = {"rrrrr"};
@@ -148,8 +148,8 @@ TEST_CASE("keyed requests when malformed then are counted and the next good one 
 }
 
 TEST_CASE("keyed samples when their key is too long then are counted and nothing stops") {
-  Bus bus(options("reader"));
   Inbox<MsgReq> requests;
+  Bus bus(options("reader"));
   Handlers handlers;
   handlers.on_request = [&](const MsgReq& m, const Origin&) { requests.put(m); };
   bus.start(handlers);
@@ -164,8 +164,8 @@ TEST_CASE("keyed samples when their key is too long then are counted and nothing
 }
 
 TEST_CASE("topic when a peer writes another type under its name then is not matched") {
-  Bus bus(options("reader"));
   Inbox<Gse> events;
+  Bus bus(options("reader"));
   Handlers handlers;
   handlers.on_gse = [&](const Gse& m, const Origin&) { events.put(m); };
   bus.start(handlers);
@@ -215,8 +215,8 @@ TEST_CASE("endpoints when read back then have the QoS of Table 2 [PV-1, ASE-2, R
 }
 
 TEST_CASE("peer when its QoS does not match then the policy is named on both sides") {
-  Bus bus(options("reader"));
   Inbox<std::string> found;
+  Bus bus(options("reader"));
   Handlers handlers;
   handlers.on_gse = [](const Gse&, const Origin&) {};
   handlers.on_incompatible = [&](const std::string& topic, const std::string& policy) {
