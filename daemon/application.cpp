@@ -3,6 +3,7 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <memory>
@@ -24,8 +25,8 @@ constexpr const char* kUsage =
     "       stationd --write-safe FILE  write the safe value of every output to its device, and end\n"
     "       stationd --version | --help\n"
     "exit status: 0 ended in order, 1 failed while running, 64 command line, 69 no bus or already running,\n"
-    "             73 state directory not writable, 77 real-time rights required but refused, 78 "
-    "configuration\n";
+    "             71 no thread or device to be had, 73 state directory not writable,\n"
+    "             77 real-time rights required but refused, 78 configuration\n";
 
 constexpr std::int64_t kHousekeepNs = 100'000'000;
 constexpr std::int64_t kStatusEveryNs = 1'000'000'000;
@@ -82,14 +83,19 @@ void reload(const config::Configuration& running, Log& log, Notify& notify) {
   notify.ready("configuration read again");
 }
 
-bool wait_for_first_scans(Controller& controller) {
-  const std::int64_t until_ns = monotonic_ns() + kFirstScanLimitNs;
-  while (!controller.first_scans_done()) {
-    if (monotonic_ns() > until_ns) return false;
-    const timespec pause{0, 1'000'000};
-    nanosleep(&pause, nullptr);
+/// Until every task has run its first scan and no other daemon was heard with one of our stations' names.
+enum class Began : std::uint8_t { yes, interrupted, late };
+Began wait_for_first_scans(Controller& controller) {
+  const std::int64_t began_ns = monotonic_ns();
+  const std::int64_t until_ns = began_ns + kFirstScanLimitNs + controller.longest_wait_ns();
+  while (!controller.first_scans_done() || monotonic_ns() - began_ns < Controller::kListenNs) {
+    controller.refuse_duplicate();
+    if (monotonic_ns() > until_ns) return Began::late;
+    const int s = next_signal(1'000'000);
+    if (s == SIGTERM || s == SIGINT) return Began::interrupted;
   }
-  return true;
+  controller.refuse_duplicate();
+  return Began::yes;
 }
 
 /// Until SIGTERM, SIGINT, or a reason to give up.
@@ -105,12 +111,7 @@ int serve(Controller& controller, const config::Configuration& configuration, Lo
     if (s == SIGHUP) reload(configuration, log, notify);
     const std::int64_t now_ns = monotonic_ns();
     controller.housekeep(now_ns);
-    if (const std::string name = controller.duplicate_station(); !name.empty()) {
-      log.error("station \"" + name + "\" is already run by another daemon in cell \"" +
-                configuration.bus.cell + "\", domain " + std::to_string(configuration.bus.domain) +
-                ": give it another name or stop the other");
-      return kExitUnavailable;
-    }
+    controller.refuse_duplicate();
     if (now_ns >= next_status_ns) {
       notify.status(controller.status_line());
       next_status_ns = now_ns + kStatusEveryNs;
@@ -125,23 +126,28 @@ int serve(Controller& controller, const config::Configuration& configuration, Lo
 
 int run_controller(const config::Configuration& configuration, Log& log, Notify& notify) {
   Controller controller(configuration, log);
-  const std::vector<RtGrant> grants = controller.start();
+  const std::vector<RtGrant> grants = controller.start_scans();
   for (const RtGrant& grant : grants)
     if (!grant.granted && configuration.require_realtime) {
       log.error("require_realtime is set and " + grant.what + " was refused: " + grant.reason);
-      controller.stop();
       return kExitNoPermission;
     }
-  if (!wait_for_first_scans(controller)) {
-    log.error("no first scan within 10 s");
-    controller.stop();
-    return kExitFailure;
-  }
+  const Began began = wait_for_first_scans(controller);
+  if (began == Began::late) log.error("no first scan in time");
+  if (began != Began::yes) return began == Began::late ? kExitFailure : kExitOk;
+  controller.start_field();
   log.info("ready: " + controller.status_line());
   notify.ready(controller.status_line());
-  int status = serve(controller, configuration, log, notify);
+  const int status = serve(controller, configuration, log, notify);
   notify.stopping();
-  if (!controller.stop() && status == kExitOk) status = kExitFailure;
+  if (!controller.stop()) {
+    // Nothing that the stuck thread uses may be freed under it; the devices have their safe values.
+    log.error("a scan thread does not end: its program loops; giving it up");
+    log.flush();
+    const timespec pause{0, 200'000'000};
+    nanosleep(&pause, nullptr);
+    _exit(kExitFailure);
+  }
   log.info("ended: " + controller.status_line());
   return status;
 }
@@ -158,7 +164,7 @@ int run(const config::Configuration& configuration) {
   } catch (const bus::BusError& e) {
     log.error(e.what());
     return kExitUnavailable;
-  } catch (const SetupError& e) {
+  } catch (const StateDirectoryError& e) {
     log.error(e.what());
     return kExitCannotCreate;
   } catch (const std::exception& e) {
@@ -169,11 +175,10 @@ int run(const config::Configuration& configuration) {
 
 bool parse(const std::vector<std::string>& arguments, Command& command, std::string& error) {
   for (const std::string& a : arguments) {
-    if (a == "--check")
-      command.what = Command::What::check;
-    else if (a == "--write-safe")
-      command.what = Command::What::write_safe;
-    else if (a.size() > 1 && a.front() == '-')
+    if (a == "--check" || a == "--write-safe") {
+      if (command.what != Command::What::run) error = "--check and --write-safe are one at a time";
+      command.what = a == "--check" ? Command::What::check : Command::What::write_safe;
+    } else if (a.size() > 1 && a.front() == '-')
       error = "unknown option \"" + a + "\"";
     else if (!command.file.empty())
       error = "more than one FILE: \"" + command.file + "\" and \"" + a + "\"";

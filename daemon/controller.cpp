@@ -1,10 +1,8 @@
 // Running a controller: start, stop, progress, housekeeping. How it is built: controller_build.cpp.
 #include "daemon/controller.hpp"
 
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
+#include <utility>
 
 #include "scan/error.hpp"
 
@@ -12,6 +10,7 @@ namespace stationd {
 namespace {
 
 constexpr std::int64_t kScanEndLimitNs = 500'000'000;
+constexpr std::int64_t kReportLimitNs = 2'000'000'000;  // past any line's turn
 
 std::string join(const std::vector<RtGrant>& grants) {
   std::string text;
@@ -22,10 +21,7 @@ std::string join(const std::vector<RtGrant>& grants) {
 
 }  // namespace
 
-Controller::~Controller() {
-  stop();
-  if (lock_fd_ >= 0) close(lock_fd_);
-}
+Controller::~Controller() { stop(); }
 
 void Controller::name_unwatched_devices() {
   for (const auto& device : devices_) {
@@ -37,11 +33,10 @@ void Controller::name_unwatched_devices() {
   }
 }
 
-std::vector<RtGrant> Controller::start() {
+std::vector<RtGrant> Controller::start_scans() {
   name_unwatched_devices();
   retain_->start();
   bridge_->start();
-  for (auto& device : devices_) device->start();
   std::vector<RtGrant> grants = {lock_memory()};
   for (RunningTask& t : tasks_) {
     t.thread = std::make_unique<RtThread>(*t.task, t.rt, utc_offset_ns_);
@@ -66,15 +61,20 @@ void Controller::log_grants(const std::vector<RtGrant>& grants) {
   realtime_ = join(grants);
 }
 
+void Controller::start_field() {
+  for (auto& device : devices_) device->start();
+}
+
 bool Controller::stop() noexcept {
+  if (std::exchange(stopped_, true)) return true;
+  for (auto& device : devices_) device->request_stop();  // safe values first, whatever becomes of the scans
   bool ended = true;
   for (RunningTask& t : tasks_)
     if (t.thread && !t.thread->stop(kScanEndLimitNs)) ended = false;
-  for (auto& station : stations_) station->port().permit.store(false);
-  for (auto& device : devices_) device->request_stop();
   for (auto& device : devices_) device->stop();
   if (retain_) retain_->stop();
   if (bridge_) bridge_->stop();
+  report_misses(monotonic_ns() + kReportLimitNs);
   return ended;
 }
 
@@ -91,20 +91,39 @@ bool Controller::made_progress(std::int64_t now_ns) {
       t.seen_scans = scans;
       t.progress_ns = now_ns;
     }
-    if (now_ns - t.progress_ns > t.watchdog_ns + t.task->options().period_ns) all = false;
+    if (now_ns - t.progress_ns <= t.watchdog_ns + t.task->options().period_ns) continue;
+    all = false;
+    for (Station* s : t.task->stations()) s->port().permit.store(false, std::memory_order_release);
   }
   return all;
 }
 
-std::string Controller::duplicate_station() const { return bridge_->duplicate_station(); }
+std::int64_t Controller::longest_wait_ns() const {
+  std::int64_t longest_ns = 0;
+  for (const RunningTask& t : tasks_)
+    longest_ns = std::max(longest_ns, t.task->options().period_ns + t.task->options().phase_ns);
+  return longest_ns;
+}
+
+void Controller::refuse_duplicate() const {
+  const std::string name = bridge_->duplicate_station();
+  if (name.empty()) return;
+  throw AlreadyRunning("station \"" + name + "\" is already run by another daemon in cell \"" +
+                       configuration_.bus.cell + "\", domain " + std::to_string(configuration_.bus.domain) +
+                       ": give it another name or stop the other");
+}
 
 void Controller::housekeep(std::int64_t now_ns) {
   utc_offset_ns_.store(stationd::utc_offset_ns(), std::memory_order_relaxed);
+  report_misses(now_ns);
+}
+
+void Controller::report_misses(std::int64_t now_ns) {
   for (RunningTask& t : tasks_) {
     CycleRecord record;
     while (t.task->misses().pop(record)) t.report->add(record);
     if (const auto line =
-            t.report->due(now_ns, t.task->figures().deadline_misses.load(std::memory_order_relaxed)))
+            t.report->due(now_ns, t.task->figures().deadline_misses.load(std::memory_order_acquire)))
       log_.line(LogSeverity::warning, line->text, line->fields);
   }
 }

@@ -15,6 +15,7 @@
 #include "daemon/log.hpp"
 #include "daemon/miss_report.hpp"
 #include "daemon/retain_thread.hpp"
+#include "daemon/state_lock.hpp"
 #include "dds_bridge/station_bridge.hpp"
 #include "io/device.hpp"
 #include "io/plant/simulated_backend.hpp"
@@ -37,17 +38,25 @@ class Controller {
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
 
-  /// Devices, bus, then scans. What the kernel refused is logged and returned; throws like the constructor.
-  std::vector<RtGrant> start();
-  /// Scans end, outputs go safe, retained tags are saved, peers are told. False: a scan thread did not end.
+  /// Bus and scans; no device is touched yet. What the kernel refused is logged and returned; throws like the
+  /// constructor.
+  std::vector<RtGrant> start_scans();
+  /// The devices, once it is known that nobody else drives them (kListenNs after start_scans()).
+  void start_field();
+  static constexpr std::int64_t kListenNs = 450'000'000;
+  /// Outputs go safe, scans end, retained tags are saved, peers are told. False: a scan thread did not end,
+  /// and
+  /// what it uses must not be freed.
   bool stop() noexcept;
 
   /// True once every task has run its first scan.
   bool first_scans_done() const;
-  /// True if each task made progress since the last call, or had no scan due since.
+  /// Longest time from start to a first scan: period and phase.
+  std::int64_t longest_wait_ns() const;
+  /// False while a task makes no progress for its watchdog time; its stations then lose their output permits.
   bool made_progress(std::int64_t now_ns);
-  /// Another live daemon has a station of one of our names; empty: none was seen.
-  std::string duplicate_station() const;
+  /// Throws AlreadyRunning when another live daemon was heard with a station of one of our names.
+  void refuse_duplicate() const;
   /// Housekeeping, a few times a second: log lines about deadline misses, UTC offset.
   void housekeep(std::int64_t now_ns);
   /// "1234 scans, 0 deadline misses", for the service manager.
@@ -79,9 +88,12 @@ class Controller {
   void log_grants(const std::vector<RtGrant>& grants);
   bus::TaskFigures figures_of(const Task& task);
 
+  void report_misses(std::int64_t now_ns);
+
   const config::Configuration& configuration_;
   Log& log_;
-  int lock_fd_ = -1;
+  StateLock lock_;
+  bool stopped_ = false;
   MonotonicStopwatch stopwatch_;
   std::atomic<std::int64_t> utc_offset_ns_;
   std::mutex realtime_mutex_;

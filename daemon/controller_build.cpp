@@ -1,12 +1,8 @@
 // Building a controller from its configuration: stations, devices, tasks, bus; nothing runs yet.
-#include <fcntl.h>
 #include <sys/eventfd.h>
-#include <sys/file.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "daemon/controller.hpp"
 #include "daemon/device_points.hpp"
@@ -23,7 +19,8 @@ constexpr std::int64_t kRetainIntervalNs = 1'000'000'000;
 }  // namespace
 
 Controller::Controller(const config::Configuration& configuration, Log& log)
-    : configuration_(configuration), log_(log), utc_offset_ns_(stationd::utc_offset_ns()) {
+    : configuration_(configuration), log_(log), lock_(configuration.state_dir, configuration.name),
+      utc_offset_ns_(stationd::utc_offset_ns()) {
   lock_state_directory();
   retain_ = std::make_unique<RetainThread>(log_, kRetainIntervalNs);
   for (const config::StationConfig& s : configuration_.stations) build_station(s);
@@ -33,18 +30,13 @@ Controller::Controller(const config::Configuration& configuration, Log& log)
 }
 
 void Controller::lock_state_directory() {
-  std::error_code e;
-  std::filesystem::create_directories(configuration_.state_dir, e);
-  const std::filesystem::path path = configuration_.state_dir / (configuration_.name + ".lock");
-  lock_fd_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640);
-  if (lock_fd_ < 0)
-    throw SetupError(
-        "state directory " + configuration_.state_dir.string() +
-        " cannot be written: " + std::strerror(errno) +
+  if (!lock_.error().empty())
+    throw StateDirectoryError(
+        "state directory " + configuration_.state_dir.string() + " cannot be written: " + lock_.error() +
         "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may write");
-  if (flock(lock_fd_, LOCK_EX | LOCK_NB) != 0)
+  if (lock_.held_by_other())
     throw AlreadyRunning("controller \"" + configuration_.name + "\" is already running: its lock " +
-                         path.string() + " is held; stop that daemon first");
+                         lock_.path().string() + " is held; stop that daemon first");
 }
 
 void Controller::build_station(const config::StationConfig& s) {
@@ -103,7 +95,8 @@ void Controller::restore(Station& station) {
   for (const TagIndex tag : station.retain().tags.tags)
     for (std::uint32_t i = 0; i < station.image().slot_count(tag); ++i)
       slots.push_back(station.image().value(tag)[i]);
-  if (!store->save(epoch, slots)) throw SetupError("retained tags cannot be written: " + store->error());
+  if (!store->save(epoch, slots))
+    throw StateDirectoryError("retained tags cannot be written: " + store->error());
   log_.info("station " + station.name() + ": epoch " + std::to_string(epoch) + ", " +
             (loaded.record ? "warm" : "cold") + " start");
   retain_->add(station, std::move(store));

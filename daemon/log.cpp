@@ -34,6 +34,13 @@ bool stderr_is_journal() {
   return std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino) == stream;
 }
 
+/// Text from the network must not forge lines or fields.
+std::string printable(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  return text;
+}
+
 std::string_view without_fields(std::string_view payload) {
   return payload.substr(0, payload.find(kFieldSeparator));
 }
@@ -97,8 +104,8 @@ Log::Log(const std::string& name, LogSeverity least) : impl_(std::make_unique<Im
 Log::~Log() { flush(); }
 
 void Log::line(LogSeverity severity, const std::string& text, const LogFields& fields) {
-  std::string payload = text;
-  for (const auto& [key, value] : fields) payload += kFieldSeparator + key + "=" + value;
+  std::string payload = printable(text);
+  for (const auto& [key, value] : fields) payload += kFieldSeparator + key + "=" + printable(value);
   impl_->logger->log(level_of(severity), spdlog::string_view_t(payload.data(), payload.size()));
 }
 

@@ -1,6 +1,6 @@
 // Log: the facade over spdlog; lines for people, and the same as journal fields under systemd.
 // Owned by main(); everything else gets a reference.
-// Any plain thread; never blocks on the sink (a full queue drops the oldest line and counts). Not for scan
+// Any plain thread; never blocks on the sink (a full queue drops its oldest line). Not for scan
 // threads.
 #pragma once
 
@@ -32,7 +32,7 @@ class Log {
   void error(const std::string& text) { line(LogSeverity::error, text); }
   /// Lines below `least` are dropped (SIGHUP applies a new one).
   void set_least(LogSeverity least);
-  /// Waits until what was said is out, at most about a second.
+  /// Asks for what was said to go out now; the destructor waits for it.
   void flush();
 
  private:

@@ -124,10 +124,11 @@ RetainStore::RetainStore(std::filesystem::path directory, std::string station, s
   std::error_code e;
   std::filesystem::create_directories(directory_, e);
   if (e || access(directory_.c_str(), W_OK | X_OK) != 0)
-    throw SetupError("state directory " + directory_.string() +
-                     " cannot be written: " + (e ? e.message() : std::string(std::strerror(errno))) +
-                     "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may "
-                     "write");
+    throw StateDirectoryError(
+        "state directory " + directory_.string() +
+        " cannot be written: " + (e ? e.message() : std::string(std::strerror(errno))) +
+        "; set [controller] state_dir or $STATE_DIRECTORY to a directory that this user may "
+        "write");
 }
 
 std::filesystem::path RetainStore::path(int index) const {

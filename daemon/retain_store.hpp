@@ -12,9 +12,16 @@
 #include <string_view>
 #include <vector>
 
+#include "scan/error.hpp"
 #include "scan/image.hpp"
 
 namespace stationd {
+
+/// The state directory, or a file in it, cannot be made or written.
+class StateDirectoryError : public SetupError {
+ public:
+  using SetupError::SetupError;
+};
 
 /// What a store held at start.
 struct RetainRecord {

@@ -30,7 +30,7 @@ constexpr auto table = std::to_array<CodeInfo>({
      "Look for a flood of events from one cause."},
     {code::watchdog, fault, "scan made no progress",
      "The station's scan did not finish within its watchdog time.",
-     "Its outputs were made safe. Find the program's loop; then Stop, then Start."},
+     "Its outputs were made safe. Find the program's loop; then reset, then Start."},
     {code::order_refused, info, "order refused",
      "An order contradicted its topic or named something unknown.", "Correct the order."},
     {code::not_in_fault, info, "nothing to reset", "`reset` was ordered while no fault was active.",

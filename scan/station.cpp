@@ -144,9 +144,8 @@ void Station::restore(std::span<const Slot> slots) {
   std::copy(slots.begin(), slots.end(), retained_sent_.begin());
   restart_ = Restart::warm;
   const bool was_running = *image_.value(running_tag_) != 0;
-  *image_.value(running_tag_) = 0;
-  if (was_running && options_.on_restart == OnRestart::resume)
-    enter(StationState::RUNNING, StopCause::never_started);
+  resuming_ = was_running && options_.on_restart == OnRestart::resume;
+  *image_.value(running_tag_) = resuming_ ? 1 : 0;
 }
 
 }  // namespace stationd

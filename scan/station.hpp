@@ -96,6 +96,7 @@ class Station {
   void bind();
   void set_up_output(TagIndex tag);
   void take_stop() noexcept;
+  void resume() noexcept;
   void latch_link(InputLink& link, std::uint32_t lost_code, std::size_t index) noexcept;
   void run_idle(Cycle& cycle) noexcept;
   void apply_safe_outputs() noexcept;
@@ -136,6 +137,7 @@ class Station {
   StopCause cause_ = StopCause::never_started;
   Restart restart_ = Restart::cold;
   bool started_ = false;   // the next execute() is the first after Start
+  bool resuming_ = false;         // RUNNING once every device was seen (OnRestart::resume)
   bool finished_ = false;  // the program reached the end of its piece while STOPPING
   bool sealed_ = false;
   std::uint32_t fault_ = 0;

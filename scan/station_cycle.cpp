@@ -36,12 +36,15 @@ void Station::begin(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_of
   utc_ns_ = now_ns + utc_offset_ns;
   scan_ = scan;
   take_stop();
+  // Revoked from outside while the scan hung: what the I/O threads made safe stays safe until an operator acts.
+  if (driven(state_) && !port_.permit.load(std::memory_order_acquire)) fault(code::watchdog, 0);
 }
 
 void Station::take_stop() noexcept {
   const StopLatch::Taken stop = port_.stop.take();
   if (stop.mode == StopMode::none) return;
   last_stop_order_ = std::max(last_stop_order_, stop.order);
+  resuming_ = false;
   if (!driven(state_)) {
     if (state_ == StationState::STOPPED) cause_ = StopCause::ordered;
     return;
@@ -96,7 +99,16 @@ void Station::run_idle(Cycle& cycle) noexcept {
   }
 }
 
+/// A program that goes on by itself would fault on devices that have not answered yet: it waits for each of them.
+void Station::resume() noexcept {
+  const auto seen = [](const auto& link) { return link->seen; };
+  if (!resuming_ || !std::all_of(device_inputs_.begin(), device_inputs_.end(), seen)) return;
+  resuming_ = false;
+  if (state_ == StationState::STOPPED) enter(StationState::RUNNING, StopCause::never_started);
+}
+
 void Station::execute() noexcept {
+  resume();
   Cycle cycle(*this, now_ns_);
   if (driven(state_)) {
     program_->execute(cycle);

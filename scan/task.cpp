@@ -70,11 +70,13 @@ void Task::account(CycleRecord& record) noexcept {
   bump(figures_.scans, 1);
   const std::uint64_t missed = record.skipped + (record.committed_late ? 1 : 0);
   if (missed == 0) return;
-  bump(figures_.deadline_misses, missed);
+  misses_.push(record);  // before the counter: who sees the count finds the record
   bump(figures_.skipped, record.skipped);
-  misses_.push(record);
+  figures_.deadline_misses.store(figures_.deadline_misses.load(std::memory_order_relaxed) + missed,
+                                 std::memory_order_release);
   if (options_.overrun != OverrunPolicy::fault) return;
   for (Station* s : stations_) s->fault(code::overrun, static_cast<std::int64_t>(record.scan));
+  wake();
 }
 
 }  // namespace stationd

@@ -11,7 +11,7 @@
 using namespace stationd;
 using namespace stationd::test;
 
-TEST_CASE("Cell assembling 1,000 mixed pieces stores every piece once, right, without a fault (SYS-5)") {
+TEST_CASE("Cell assembling 1,000 mixed pieces stores every piece once, right, without a fault (IMG-5)") {
   CellOptions options;
   options.pallets = 1000 / kThin;
   CellHarness cell(options);

@@ -243,14 +243,45 @@ TEST_CASE("restored station with resume goes on where it was running, and only t
   bool started = false;
   ran.program->on_execute = [&](Cycle& cycle) { started |= cycle.started(); };
   ran.station->restore(std::vector<Slot>{1, 1});
+  ran.feed_device(true, 0);
   ran.scan();
   CHECK(ran.station->state() == RUNNING);
   CHECK(ran.permit());
   CHECK(started);
   StationRig stood(options);
   stood.station->restore(std::vector<Slot>{1, 0});
+  stood.feed_device(true, 0);
   stood.scan();
   CHECK(stood.station->state() == STOPPED);
+}
+
+TEST_CASE("restored station with resume waits until its devices have answered [IMG-5]") {
+  StationOptions options = StationRig::named("ST");
+  options.on_restart = OnRestart::resume;
+  StationRig rig(options);
+  rig.station->restore(std::vector<Slot>{1, 1});
+  rig.scan();
+  CHECK(rig.station->state() == STOPPED);
+  rig.feed_device(true, 0);
+  rig.scan();
+  CHECK(rig.station->state() == RUNNING);
+  StationRig stopped(options);
+  stopped.station->restore(std::vector<Slot>{1, 1});
+  stopped.stop(StopMode::immediate);
+  stopped.scan();
+  stopped.feed_device(true, 0);
+  stopped.scan();
+  CHECK(stopped.station->state() == STOPPED);
+}
+
+TEST_CASE("station whose permit was revoked from outside faults, safe until an operator acts [SCAN-9]") {
+  StationRig rig;
+  rig.go(RUNNING);
+  rig.station->port().permit.store(false);
+  rig.scan();
+  CHECK(rig.station->state() == FAULT);
+  CHECK(rig.station->active_fault() == code::watchdog);
+  CHECK_FALSE(rig.permit());
 }
 
 TEST_CASE("retained record tells whether the station was running [IMG-5]") {

@@ -296,17 +296,19 @@ TEST_CASE("reset falls the fault's edge and stands for after_fault; the next Sta
   CHECK(rig.permit());
 }
 
-TEST_CASE("permit that the watchdog revoked returns only by Stop, then Start") {
+TEST_CASE("permit that was revoked from outside returns only by reset, then Start [SCAN-9]") {
   StationRig rig;
   rig.go(RUNNING);
   rig.station->port().permit.store(false);
   rig.push(Verb::start);
   rig.scan();
-  rig.stop(StopMode::end_of_piece);
-  rig.scan();
-  CHECK_FALSE(rig.permit());
+  CHECK(rig.station->state() == FAULT);
   rig.stop(StopMode::immediate);
   rig.scan();
+  CHECK_FALSE(rig.permit());
+  rig.push(Verb::reset);
+  rig.scan();
+  CHECK_FALSE(rig.permit());
   rig.push(Verb::start);
   rig.scan();
   CHECK(rig.permit());

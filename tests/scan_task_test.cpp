@@ -246,7 +246,7 @@ TEST_CASE("permanent overrun services no request and never starves Stop [REQ-2]"
   CHECK(t.rig.driven_outputs() == std::vector<Slot>{0, 3, 0});
 }
 
-TEST_CASE("waker is called once a cycle, after publish and before requests are serviced [SCAN-5, ASE-6]") {
+TEST_CASE("waker is called once a cycle, after publish and before requests are serviced [SCAN-5]") {
   TaskRig t;
   t.run();
   CHECK(t.waker.count == 1);

@@ -35,9 +35,16 @@ ExchangeResult ModbusBackend::exchange(std::span<const OutputValue> outputs, std
 
 ExchangeResult ModbusBackend::exchange_all(std::span<const OutputValue> outputs, std::span<Slot> inputs,
                                            std::int64_t now_ns) {
-  for (const Request& request : writes_)
-    if (const ExchangeResult result = write(request, outputs); result.status != ExchangeStatus::ok)
+  // A request that the device refuses must not keep the others, which may be safe values, from it.
+  ExchangeResult refused;
+  for (const Request& request : writes_) {
+    const ExchangeResult result = write(request, outputs);
+    if (result.status == ExchangeStatus::exception)
+      refused = refused.status == ExchangeStatus::ok ? result : refused;
+    else if (result.status != ExchangeStatus::ok)
       return result;
+  }
+  if (refused.status != ExchangeStatus::ok) return refused;
   if (const ExchangeResult result = beat(now_ns); result.status != ExchangeStatus::ok) return result;
   for (const Request& request : reads_)
     if (const ExchangeResult result = read(request, inputs); result.status != ExchangeStatus::ok)
