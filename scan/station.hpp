@@ -137,7 +137,7 @@ class Station {
   StopCause cause_ = StopCause::never_started;
   Restart restart_ = Restart::cold;
   bool started_ = false;   // the next execute() is the first after Start
-  bool resuming_ = false;         // RUNNING once every device was seen (OnRestart::resume)
+  bool resuming_ = false;  // RUNNING once every device was seen (OnRestart::resume)
   bool finished_ = false;  // the program reached the end of its piece while STOPPING
   bool sealed_ = false;
   std::uint32_t fault_ = 0;

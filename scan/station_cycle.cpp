@@ -36,7 +36,8 @@ void Station::begin(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_of
   utc_ns_ = now_ns + utc_offset_ns;
   scan_ = scan;
   take_stop();
-  // Revoked from outside while the scan hung: what the I/O threads made safe stays safe until an operator acts.
+  // Revoked from outside while the scan hung: what the I/O threads made safe stays safe until an operator
+  // acts.
   if (driven(state_) && !port_.permit.load(std::memory_order_acquire)) fault(code::watchdog, 0);
 }
 
@@ -99,7 +100,8 @@ void Station::run_idle(Cycle& cycle) noexcept {
   }
 }
 
-/// A program that goes on by itself would fault on devices that have not answered yet: it waits for each of them.
+/// A program that goes on by itself would fault on devices that have not answered yet: it waits for each of
+/// them.
 void Station::resume() noexcept {
   const auto seen = [](const auto& link) { return link->seen; };
   if (!resuming_ || !std::all_of(device_inputs_.begin(), device_inputs_.end(), seen)) return;
