@@ -61,6 +61,15 @@ void BusOut::pass(std::int64_t now_ns) {
   for (Out& out : outs_) send_replies(out);
 }
 
+void BusOut::farewell() {
+  for (Out& out : outs_) {
+    if (out.record_ns == 0 || context_.quiet()) continue;
+    out.record.ready = false;
+    fill_status(out);
+    context_.bus.write(out.status);
+  }
+}
+
 void BusOut::send_events(Out& out) {
   const Station& station = *out.entry->station;
   Event event;
@@ -153,7 +162,8 @@ void BusOut::send_replies(Out& out) {
   }
 }
 
-/// What became of a request: a Start is logged if it was refused, the others are answered.
+/// What became of a request: a Start is logged if it was refused, and answered if it has an id to answer
+/// to; the others are answered.
 void BusOut::settle(const Pending& pending, const Reply& reply) {
   const std::string name = pending.entry->station->name();
   const std::uint32_t refusal = reply.outcome == Outcome::done ? 0 : reply.code;
@@ -162,6 +172,8 @@ void BusOut::settle(const Pending& pending, const Reply& reply) {
       const std::string from = pending.body.from.empty() ? "" : " from " + pending.body.from;
       context_.log.say("start" + name, 1, name + ": Start" + from + " refused: " + code_with_name(refusal),
                        monotonic_ns());
+      if (!pending.body.id.empty())
+        context_.reply(pending.body, pending.origin, 0, refusal, "Start refused: " + code_with_name(refusal));
     } else if (reply.code == 0) {
       const std::lock_guard lock(pending.entry->mutex);
       for (std::size_t i = 0; i < pending.request.assignment_count; ++i) {

@@ -25,6 +25,9 @@ class BusOut {
   std::vector<std::string> topics() const;
   /// One pass over all stations.
   void pass(std::int64_t now_ns);
+  /// The last word, after the scans have ended: each Status once more, not ready for anything. STATE stays as it
+  /// was: a supervisor shall not take the end of a daemon for an operator's Stop.
+  void farewell();
 
  private:
   struct Object {  // a message's struct, made by its table

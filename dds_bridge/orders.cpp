@@ -86,20 +86,21 @@ void Orders::on_stop(const MsgReq& order, const Origin& origin) {
 void Orders::on_start(const MsgReq& order, const Origin& origin) {
   BridgedEntry* entry = context_.find(order.DEST_STATION);
   if (entry == nullptr || context_.quiet() || context_.closed.load()) return;
-  Body body = parse_body(order.BODY, context_.bus.options().max_body_bytes);
-  if (order.ORDER != Order::START) {
-    refuse("Start", order, body, code::order_refused, std::string("ORDER is ") + name_of(order.ORDER));
-    return;
-  }
-  if (!body.ok()) return refuse("Start", order, body, code::body_invalid, body.problem);
-  if (!body.words.empty()) {
-    return refuse("Start", order, body, code::body_invalid, "it takes parameter=value, not " + body.words[0]);
-  }
+  const Body body = parse_body(order.BODY, context_.bus.options().max_body_bytes);
+  const auto refused = [&](std::uint32_t code, const std::string& problem) {
+    refuse("Start", order, body, code, problem);
+    if (!body.id.empty()) context_.reply(body, origin, 0, code, problem);
+  };
+  if (order.ORDER != Order::START)
+    return refused(code::order_refused, std::string("ORDER is ") + name_of(order.ORDER));
+  if (!body.ok()) return refused(code::body_invalid, body.problem);
+  if (!body.words.empty())
+    return refused(code::body_invalid, "it takes parameter=value, not " + body.words[0]);
   Request request;
   request.verb = Verb::start;
   request.order = origin.order;
   const Assigned assigned = assign(entry->station->image(), body, request);
-  if (assigned.code != 0) return refuse("Start", order, body, assigned.code, assigned.problem);
+  if (assigned.code != 0) return refused(assigned.code, assigned.problem);
   const Answer answer = to_scan(*entry, body, origin, request);
   if (!answer.later) {
     context_.log.say("busy" + order.DEST_STATION, 2,

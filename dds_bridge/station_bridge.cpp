@@ -144,6 +144,7 @@ void StationBridge::Impl::run() {
     watch_bus(now_ns);
   }
   out->pass(monotonic_ns());
+  out->farewell();
 }
 
 void StationBridge::Impl::watch_bus(std::int64_t now_ns) {
