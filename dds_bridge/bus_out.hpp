@@ -25,7 +25,8 @@ class BusOut {
   std::vector<std::string> topics() const;
   /// One pass over all stations.
   void pass(std::int64_t now_ns);
-  /// The last word, after the scans have ended: each Status once more, not ready for anything. STATE stays as it
+  /// The last word, after the scans have ended: each Status once more, not ready for anything. STATE stays
+  /// as it
   /// was: a supervisor shall not take the end of a daemon for an operator's Stop.
   void farewell();
 
