@@ -16,9 +16,8 @@ extern "C" void __tsan_release(void* address);
 namespace stationd::bus {
 
 /// Marks the use of a payload's buffer. The library's pool hands buffers on under a lock of its own, from
-/// readers to
-/// writers of other participants too; ThreadSanitizer does not see that lock, for the library is not
-/// instrumented.
+/// readers
+/// to writers of other participants too; ThreadSanitizer does not see that lock: the library is not instrumented.
 class PayloadUse {
  public:
   explicit PayloadUse(const compat::rtps::SerializedPayload_t& payload) noexcept : data_(payload.data) {
@@ -26,6 +25,7 @@ class PayloadUse {
     __tsan_acquire(data_);
 #endif
   }
+  // NOLINTNEXTLINE(modernize-use-equals-default): it is not trivial under ThreadSanitizer
   ~PayloadUse() {
 #if defined(__SANITIZE_THREAD__)
     __tsan_release(data_);
