@@ -17,7 +17,8 @@ namespace stationd::bus {
 
 /// Marks the use of a payload's buffer. The library's pool hands buffers on under a lock of its own, from
 /// readers
-/// to writers of other participants too; ThreadSanitizer does not see that lock: the library is not instrumented.
+/// to writers of other participants too; ThreadSanitizer does not see that lock: the library is not
+/// instrumented.
 class PayloadUse {
  public:
   explicit PayloadUse(const compat::rtps::SerializedPayload_t& payload) noexcept : data_(payload.data) {
