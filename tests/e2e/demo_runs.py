@@ -34,6 +34,16 @@ def pieces(folder, name, *arguments):
     check(f"{name} leaves no file", left_in(folder) == [])
 
 
+def without_rights(folder):
+    """Real-time rights are refused by the kernel: the demo says so and goes on."""
+    drop = ["setpriv", "--bounding-set=-sys_nice,-ipc_lock,-sys_resource", "--inh-caps=-sys_nice,-ipc_lock"]
+    command = [*drop, ROOT / "scripts" / "demo", "--bin", BIN, "--pieces", "2", "--speed", "3"]
+    environment = dict(os.environ, TMPDIR=str(folder))
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, check=False)
+    check("the demo without real-time rights ends with status 0", done.returncode == 0, done.stdout[-900:])
+    check("it says that it has none", "without real-time rights" in done.stdout)
+
+
 def interrupted(folder):
     process = demo(folder, "--speed", "3")
     lines = []
@@ -54,6 +64,7 @@ def scenario():
         pieces(folder, "the demo with 5 pieces", "--pieces", "5", "--speed", "3")
         pieces(folder, "the demo in process", "--pieces", "5", "--speed", "3", "--in-process")
         pieces(folder, "the demo at 1 ms", "--pieces", "5", "--speed", "3", "--period", "1ms")
+        without_rights(folder)
         interrupted(folder)
 
 
