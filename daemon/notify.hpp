@@ -8,7 +8,7 @@
 
 namespace stationd {
 
-/// Seam: real (systemd), null (nobody asks), fake (tests).
+/// Seam: what a service manager is told.
 class Notify {
  public:
   virtual ~Notify() = default;
@@ -21,10 +21,15 @@ class Notify {
   virtual std::int64_t watchdog_limit_ns() const = 0;
 };
 
-/// Sends to $NOTIFY_SOCKET; without one every call does nothing.
+/// Sends to $NOTIFY_SOCKET; without one every call does nothing. Never blocks for long when nobody reads it:
+/// a STATUS or
+/// WATCHDOG that does not fit is dropped, the others wait a second at most.
 class SystemdNotify final : public Notify {
  public:
   SystemdNotify();
+  ~SystemdNotify() override;
+  SystemdNotify(const SystemdNotify&) = delete;
+  SystemdNotify& operator=(const SystemdNotify&) = delete;
   void ready(const std::string& status) override;
   void status(const std::string& text) override;
   void watchdog() override;
@@ -33,6 +38,9 @@ class SystemdNotify final : public Notify {
   std::int64_t watchdog_limit_ns() const override { return watchdog_limit_ns_; }
 
  private:
+  void send(const std::string& text, int patience_ms) const;
+
+  int socket_ = -1;
   std::int64_t watchdog_limit_ns_ = 0;
 };
 

@@ -25,6 +25,16 @@ class Notifications:
             return self.lines
 
 
+def unread(cell):
+    """Nobody reads the notify socket: the daemon goes on and still ends on SIGTERM."""
+    deaf = Notifications(cell.work / "deaf")
+    cell.environment.update(NOTIFY_SOCKET=str(cell.work / "deaf"), WATCHDOG_USEC="400000")
+    cell.start_controller("controller1")
+    wait_for("1,000 scans pass", lambda: cell.stations().get("loader", {}).get("scans", 0) > 1000)
+    check("a daemon whose service manager is deaf ends with status 0", cell.end("controller1") == 0)
+    check("the socket was full of what nobody read", len(deaf.read()) >= 10)
+
+
 def safe_values(cell):
     process = subprocess.run(
         [BIN / "stationd", "--write-safe", ROOT / "config" / "controller1.toml"],
@@ -88,6 +98,7 @@ def scenario():
         print(f"     it took {time.monotonic() - began:.2f} s")
         check("STOPPING was told", "STOPPING=1" in notifications.read())
         safe_values(cell)
+        unread(cell)
 
 
 run(scenario)
