@@ -117,6 +117,8 @@ void BusOut::send_status(Out& out, std::int64_t now_ns) {
   if (out.entry->station->port().status.take(out.record)) {
     const bool first = out.record_ns == 0;
     out.record_ns = now_ns;
+    if (!first && (before.state != out.record.state || before.fault != out.record.fault))
+      say_state(out, before, now_ns);
     if (first || !same(before, out.record)) out.sent_ns = 0;  // at once
   }
   if (out.record_ns == 0) return;
@@ -126,6 +128,16 @@ void BusOut::send_status(Out& out, std::int64_t now_ns) {
   fill_status(out);
   out.sent_ns = now_ns;
   if (!context_.quiet()) context_.bus.write(out.status);
+}
+
+/// So that the log alone tells what a station did, without a supervisor that listens.
+void BusOut::say_state(const Out& out, const StatusRecord& before, std::int64_t now_ns) const {
+  const StatusRecord& is = out.record;
+  std::string text = out.entry->station->name() + ": " + std::string(name_of(before.state)) + " -> " +
+                     std::string(name_of(is.state));
+  if (is.fault != 0) text += ", " + code_with_name(is.fault);
+  const int severity = is.state == StationState::FAULT ? 2 : 1;
+  context_.log.say("state" + out.entry->station->name() + std::to_string(is.fault), severity, text, now_ns);
 }
 
 void BusOut::fill_status(Out& out) {

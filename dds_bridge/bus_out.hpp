@@ -62,6 +62,7 @@ class BusOut {
   template <class T> void send_pv(const Pv& pv, const Station& station, const Slot* slots, T& message);
   void send_status(Out& out, std::int64_t now_ns);
   void fill_status(Out& out);
+  void say_state(const Out& out, const StatusRecord& before, std::int64_t now_ns) const;
   void send_replies(Out& out);
   void settle(const Pending& pending, const Reply& reply);
 

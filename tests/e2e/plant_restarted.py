@@ -11,7 +11,10 @@ def scenario():
         cell.wait_stored(3)
         check("plantsim ends with status 0", cell.end("plantsim") == 0)
         wait_for("the loss of the device is in the log", lambda: "lost" in cell.log("controller1"))
-        wait_for("the stations are in FAULT or wait", lambda: len(cell.states()) == 4)
+        wait_for(
+            "a station's FAULT is in the log, with its code",
+            lambda: "-> FAULT, ST" in cell.log("controller1"),
+        )
         cell.start_plant()
         wait_for("controller 1 has its devices back", lambda: "back after" in cell.log("controller1"))
         wait_for("controller 2 has its devices back", lambda: "back after" in cell.log("controller2"))
