@@ -1,5 +1,5 @@
 // Example: a pump that fills a tank between two level switches. Copy this file to write a program of your
-// own: docs/programs.md goes through it line by line.
+// own: docs/programs.md says what each part is for.
 #include "programs/programs.hpp"
 #include "scan/codes.hpp"
 #include "scan/cycle.hpp"
