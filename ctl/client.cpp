@@ -6,6 +6,8 @@
 #include <chrono>
 #include <ctime>
 
+#include "scan/clock.hpp"
+
 namespace stationd::ctl {
 namespace {
 
@@ -23,12 +25,6 @@ bus::Options bus_options(const Arguments& arguments, const std::string& name) {
 }
 
 }  // namespace
-
-std::int64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
 
 Client::Client(const Arguments& arguments, bool with_events)
     : name_("stationctl-" + std::to_string(::getpid())), newest_station_ns_(monotonic_ns()),

@@ -24,9 +24,6 @@ struct Seen {
 };
 using Stations = std::map<std::string, Seen>;
 
-/// CLOCK_MONOTONIC.
-std::int64_t monotonic_ns();
-
 class Client {
  public:
   /// Joins the bus. Throws bus::BusError.

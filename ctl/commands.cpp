@@ -7,6 +7,7 @@
 #include "ctl/client.hpp"
 #include "ctl/output.hpp"
 #include "ctl/text.hpp"
+#include "scan/clock.hpp"
 #include "scan/codes.hpp"
 
 namespace stationd::ctl {

@@ -4,6 +4,7 @@
 
 #include "config/units.hpp"
 #include "ctl/text.hpp"
+#include "scan/clock.hpp"
 #include "scan/codes.hpp"
 
 namespace stationd::ctl {

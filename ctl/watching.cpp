@@ -17,6 +17,7 @@
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
 #include "ctl/text.hpp"
+#include "scan/clock.hpp"
 
 namespace stationd::ctl {
 namespace {

@@ -14,6 +14,7 @@
 #include "daemon/exit_status.hpp"
 #include "daemon/notify.hpp"
 #include "daemon/write_safe.hpp"
+#include "scan/clock.hpp"
 #include "scan/error.hpp"
 
 namespace stationd {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "scan/clock.hpp"
 #include "scan/error.hpp"
 
 namespace stationd {

@@ -18,8 +18,6 @@
 
 namespace stationd::bus {
 
-std::int64_t monotonic_ns() noexcept;
-
 /// "ST1203"
 std::string code_text(std::uint32_t code);
 /// "ST1306 (unknown tag)"

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "scan/clock.hpp"
+
 namespace stationd::bus {
 namespace {
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dds_bridge/values.hpp"
+#include "scan/clock.hpp"
 #include "scan/codes.hpp"
 
 namespace stationd::bus {

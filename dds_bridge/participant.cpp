@@ -59,12 +59,6 @@ void check_thread() {
 
 }  // namespace
 
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
 void put_guid(const compat::rtps::GUID_t& guid, Origin& origin) noexcept {
   origin.writer_high = 0;
   origin.writer_low = 0;

@@ -47,9 +47,6 @@ class Participant {
   std::uint32_t prefix_low_ = 0;
 };
 
-/// CLOCK_MONOTONIC.
-std::int64_t monotonic_ns() noexcept;
-
 /// A GUID as the two numbers of Origin.
 void put_guid(const compat::rtps::GUID_t& guid, Origin& origin) noexcept;
 compat::rtps::GUID_t guid_of(const Origin& origin) noexcept;

@@ -7,6 +7,7 @@
 
 #include "dds_bridge/qos.hpp"
 #include "dds_bridge/topic_type.hpp"
+#include "scan/clock.hpp"
 
 namespace stationd::bus {
 namespace {

@@ -19,6 +19,7 @@
 #include "dds_bridge/event_writer.hpp"
 #include "dds_bridge/orders.hpp"
 #include "dds_bridge/remote_inputs.hpp"
+#include "scan/clock.hpp"
 
 namespace stationd::bus {
 namespace {

@@ -4,25 +4,17 @@
 #include <chrono>
 #include <cstring>
 
+#include "scan/clock.hpp"
 #include "scan/error.hpp"
 #include "scan/schedule.hpp"
 
 namespace stationd::io {
-namespace {
-
-std::int64_t steady_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
 
 Device::Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
                std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change, Clock clock)
     : options_(std::move(options)), backend_(std::move(backend)), bindings_(std::move(bindings)),
       selection_(points, bindings_), report_(options_), log_(std::move(log)),
-      on_change_(std::move(on_change)), clock_(clock != nullptr ? clock : steady_ns),
+      on_change_(std::move(on_change)), clock_(clock != nullptr ? clock : monotonic_ns),
       inputs_(count_of(points, Direction::input)), published_(bindings_.size()) {}
 
 Device::~Device() {

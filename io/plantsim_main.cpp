@@ -13,6 +13,7 @@
 #include "io/plant/live_plant.hpp"
 #include "io/plant/modbus_server.hpp"
 #include "io/plant/plantsim_options.hpp"
+#include "scan/clock.hpp"
 
 namespace {
 
@@ -32,12 +33,6 @@ void catch_signals() {
   ::sigaction(SIGINT, &action, nullptr);
   action.sa_handler = SIG_IGN;
   ::sigaction(SIGPIPE, &action, nullptr);
-}
-
-std::int64_t monotonic_ns() noexcept {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 
 int complain(const std::string& what, int status) {
@@ -64,8 +59,8 @@ void inject_all(Plant& plant, const PlantsimOptions& options) {
 void serve(LivePlant& live, ModbusServer& server, const PlantsimOptions& options) {
   bool complained = false;
   while (stop_requested == 0) {
-    server.poll(live.plant(), kPollMs, [&] { live.advance(monotonic_ns()); });
-    const LivePlant::Due due = live.due(monotonic_ns());
+    server.poll(live.plant(), kPollMs, [&] { live.advance(stationd::monotonic_ns()); });
+    const LivePlant::Due due = live.due(stationd::monotonic_ns());
     try {
       live.write(due);
     } catch (const std::system_error& error) {

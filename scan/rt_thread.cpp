@@ -22,12 +22,6 @@ constexpr std::size_t kStackBytes = 256 * 1024;
 constexpr std::size_t kPrefaultBytes = 128 * 1024;
 constexpr int kWakeSignal = SIGUSR1;  // interrupts the wait for a due time
 
-std::int64_t clock_ns(clockid_t clock) noexcept {
-  timespec t{};
-  clock_gettime(clock, &t);
-  return t.tv_sec * kSecondNs + t.tv_nsec;
-}
-
 void prefault_stack() noexcept {
   volatile unsigned char* stack = static_cast<unsigned char*>(alloca(kPrefaultBytes));
   for (std::size_t i = 0; i < kPrefaultBytes; i += 4096) stack[i] = 0;
@@ -53,9 +47,6 @@ void EventfdWaker::wake() noexcept {
   const std::uint64_t one = 1;  // EAGAIN means that the reader has yet to look: nothing is lost
   static_cast<void>(!write(descriptor_, &one, sizeof one));
 }
-
-std::int64_t monotonic_ns() noexcept { return clock_ns(CLOCK_MONOTONIC); }
-std::int64_t utc_offset_ns() noexcept { return clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC); }
 
 RtGrant lock_memory() {
   if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {"memory lock", true, ""};

@@ -11,14 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "scan/clock.hpp"
 #include "scan/task.hpp"
 
 namespace stationd {
-
-/// CLOCK_MONOTONIC in nanoseconds.
-std::int64_t monotonic_ns() noexcept;
-/// CLOCK_REALTIME less CLOCK_MONOTONIC, in nanoseconds.
-std::int64_t utc_offset_ns() noexcept;
 
 class MonotonicStopwatch final : public Stopwatch {
  public:

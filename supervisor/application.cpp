@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "dds_bridge/body.hpp"
+#include "scan/clock.hpp"
 #include "supervisor/answers.hpp"
 #include "supervisor/live.hpp"
 
@@ -55,12 +56,6 @@ SavedState loaded(StateStore& store, std::vector<std::string>& notes) {
 }
 
 }  // namespace
-
-std::int64_t monotonic_ns() {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
 
 void Inbox::push(Received received) {
   {

@@ -117,7 +117,4 @@ class Application {
   bus::Bus bus_;  ///< last: its thread ends before the rest goes
 };
 
-/// CLOCK_MONOTONIC.
-std::int64_t monotonic_ns();
-
 }  // namespace stationd::supervisor

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "dds_bridge/station_bridge.hpp"
+#include "scan/clock.hpp"
 #include "scan/codes.hpp"
 #include "scan/cycle.hpp"
 #include "scan/program.hpp"
@@ -60,12 +61,6 @@ class Tiny : public Program {
   std::uint32_t raised_ = 0;
 };
 
-inline std::int64_t clock_ns(clockid_t clock) {
-  timespec now{};
-  clock_gettime(clock, &now);
-  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
 class ScannedStation {
  public:
   explicit ScannedStation(const std::string& name, std::size_t requests = 64)
@@ -107,11 +102,11 @@ class ScannedStation {
   }
   void run() {
     std::uint64_t scan = 0;
-    const std::int64_t utc_offset_ns = clock_ns(CLOCK_REALTIME) - clock_ns(CLOCK_MONOTONIC);
+    const std::int64_t offset_ns = utc_offset_ns();
     while (!end_) {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
       if (hold) continue;
-      station_.begin(clock_ns(CLOCK_MONOTONIC), ++scan, utc_offset_ns);
+      station_.begin(monotonic_ns(), ++scan, offset_ns);
       station_.latch();
       station_.execute();
       station_.commit();

@@ -8,6 +8,7 @@
 #include "ctl/json.hpp"
 #include "ctl/output.hpp"
 #include "ctl/text.hpp"
+#include "scan/clock.hpp"
 
 using namespace stationd;
 using namespace stationd::ctl;
