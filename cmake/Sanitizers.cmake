@@ -28,3 +28,7 @@ if(STATIOND_SANITIZE MATCHES "thread")
     set(STATIOND_TEST_LAUNCHER setarch -R)
   endif()
 endif()
+if(STATIOND_SANITIZE MATCHES "realtime")
+  # What is marked STATIOND_NONBLOCKING is proved when compiled, and watched when it runs.
+  add_compile_options(-Wfunction-effects)
+endif()

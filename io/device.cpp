@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstring>
 
-#include "scan/clock.hpp"
 #include "scan/error.hpp"
 #include "scan/schedule.hpp"
 
@@ -14,8 +13,8 @@ Device::Device(DeviceOptions options, std::unique_ptr<Backend> backend, const st
                std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change, Clock clock)
     : options_(std::move(options)), backend_(std::move(backend)), bindings_(std::move(bindings)),
       selection_(points, bindings_), report_(options_), log_(std::move(log)),
-      on_change_(std::move(on_change)), clock_(clock != nullptr ? clock : monotonic_ns),
-      inputs_(count_of(points, Direction::input)), published_(bindings_.size()) {}
+      on_change_(std::move(on_change)), clock_(clock), inputs_(count_of(points, Direction::input)),
+      published_(bindings_.size()) {}
 
 Device::~Device() {
   request_stop();

@@ -18,6 +18,7 @@
 #include "io/backend.hpp"
 #include "io/device_rules.hpp"
 #include "io/options.hpp"
+#include "scan/clock.hpp"
 
 namespace stationd::io {
 
@@ -43,7 +44,7 @@ class Device {
 
   Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
          std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change = {},
-         Clock clock = nullptr);
+         Clock clock = monotonic_ns);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;

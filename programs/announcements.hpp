@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "scan/nonblocking.hpp"
+
 namespace stationd::programs {
 
 /// One piece, as `Set` and `End` name it: once per (STATION, EPOCH, SEQ).
@@ -44,27 +46,27 @@ class Announcements {
   /// own zones. A new EPOCH with the code of the newest announcement, whose pallet is neither here nor let
   /// go, is that one again: the upstream station lost its record. All others stay: their pallets were let
   /// go, whatever was heard.
-  Heard hear_set(const Announcement& set, std::uint32_t visible) noexcept;
+  Heard hear_set(const Announcement& set, std::uint32_t visible) noexcept STATIOND_NONBLOCKING;
   /// An End as it stands at the input. A station finishes in order: what it announced earlier in that
   /// EPOCH has ended too. With `error` the piece will not come and its announcement goes.
-  void hear_end(const Announcement& end, bool error) noexcept;
+  void hear_end(const Announcement& end, bool error) noexcept STATIOND_NONBLOCKING;
 
   /// The oldest; null when there is none.
   const Announcement* front() const noexcept { return content_.size == 0 ? nullptr : &content_.entries[0]; }
   void pop_front() noexcept { remove(0); }
   /// Drops what stands before the oldest announcement of that code, and returns that; null (and drops
   /// nothing) if there is none.
-  const Announcement* skip_to(std::uint32_t code) noexcept;
+  const Announcement* skip_to(std::uint32_t code) noexcept STATIOND_NONBLOCKING;
 
   std::uint32_t size() const noexcept { return content_.size; }
-  std::uint32_t ended_count() const noexcept;
+  std::uint32_t ended_count() const noexcept STATIOND_NONBLOCKING;
   const Content& content() const noexcept { return content_; }
   /// After a restart. What cannot be (a size above kMax) is taken as empty.
-  void restore(const Content& content) noexcept;
+  void restore(const Content& content) noexcept STATIOND_NONBLOCKING;
 
  private:
-  void remove(std::uint32_t index) noexcept;
-  void drop_void(std::uint32_t visible, std::uint32_t code) noexcept;
+  void remove(std::uint32_t index) noexcept STATIOND_NONBLOCKING;
+  void drop_void(std::uint32_t visible, std::uint32_t code) noexcept STATIOND_NONBLOCKING;
 
   Content content_;
 };

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "programs/piece_types.hpp"
+#include "scan/nonblocking.hpp"
 
 namespace stationd::programs {
 
@@ -88,11 +89,11 @@ class Arm {
  public:
   /// After Start: begins by raising the arm. `held`: what the record says the gripper holds, none if it
   /// says nothing. The gripper stays as the sensors show it.
-  void restart(const ArmInputs& in, const Errand& held, std::int64_t clock_ns) noexcept;
+  void restart(const ArmInputs& in, const Errand& held, std::int64_t clock_ns) noexcept STATIOND_NONBLOCKING;
 
   /// One scan. Returns the code of a fault, 0 if there is none.
   std::uint32_t run(const ArmInputs& in, const ArmPermits& may, std::int64_t clock_ns,
-                    std::int64_t timeout_ns) noexcept;
+                    std::int64_t timeout_ns) noexcept STATIOND_NONBLOCKING;
 
   /// The inputs were not to be seen for a while: what moved meanwhile is no fault.
   void look_away() noexcept { position_seen_ = 0; }
@@ -103,22 +104,22 @@ class Arm {
   /// What is being fetched or held, none otherwise.
   const Errand& errand() const noexcept { return errand_; }
   /// Up, and staying so while `lower` is withheld: a pallet may pass.
-  bool clear() const noexcept;
+  bool clear() const noexcept STATIOND_NONBLOCKING;
   /// Up at home or on its way there with nothing to do.
   bool resting() const noexcept { return step_ == ArmStep::idle || step_ == ArmStep::hold; }
   bool holding() const noexcept { return step_ >= ArmStep::lift && step_ <= ArmStep::let_go; }
 
  private:
-  std::uint32_t advance(const ArmInputs& in, const ArmPermits& may) noexcept;
-  std::uint32_t fetch(const ArmInputs& in, const ArmPermits& may) noexcept;
-  std::uint32_t deliver(const ArmInputs& in, const ArmPermits& may) noexcept;
-  std::uint32_t raised(const ArmInputs& in) noexcept;
-  std::uint32_t check(const ArmInputs& in) const noexcept;
-  std::uint32_t timed_out(const ArmInputs& in) const noexcept;
-  bool waits(const ArmPermits& may) const noexcept;
-  void drive() noexcept;
-  void go(ArmStep step) noexcept;
-  bool move(const ArmInputs& in, std::uint16_t target) noexcept;
+  std::uint32_t advance(const ArmInputs& in, const ArmPermits& may) noexcept STATIOND_NONBLOCKING;
+  std::uint32_t fetch(const ArmInputs& in, const ArmPermits& may) noexcept STATIOND_NONBLOCKING;
+  std::uint32_t deliver(const ArmInputs& in, const ArmPermits& may) noexcept STATIOND_NONBLOCKING;
+  std::uint32_t raised(const ArmInputs& in) noexcept STATIOND_NONBLOCKING;
+  std::uint32_t check(const ArmInputs& in) const noexcept STATIOND_NONBLOCKING;
+  std::uint32_t timed_out(const ArmInputs& in) const noexcept STATIOND_NONBLOCKING;
+  bool waits(const ArmPermits& may) const noexcept STATIOND_NONBLOCKING;
+  void drive() noexcept STATIOND_NONBLOCKING;
+  void go(ArmStep step) noexcept STATIOND_NONBLOCKING;
+  bool move(const ArmInputs& in, std::uint16_t target) noexcept STATIOND_NONBLOCKING;
 
   ArmStep step_ = ArmStep::raise;
   Errand errand_;

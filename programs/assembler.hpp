@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "programs/cell_station.hpp"
+#include "scan/nonblocking.hpp"
 
 namespace stationd::programs {
 
@@ -40,8 +41,8 @@ class Assembler : public CellStation {
     In<bool> present;
     In<std::uint16_t> level_1, level_2;
   };
-  const Seat* seat_of(const Errand& errand) const noexcept;
-  Errand errand_for(const Seat& seat, const PieceType& type) const noexcept;
+  const Seat* seat_of(const Errand& errand) const noexcept STATIOND_NONBLOCKING;
+  Errand errand_for(const Seat& seat, const PieceType& type) const noexcept STATIOND_NONBLOCKING;
 
   std::array<std::optional<Seat>, 2> seats_;
   bool fetches_ahead_;

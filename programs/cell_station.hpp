@@ -16,6 +16,7 @@
 #include "programs/arm.hpp"
 #include "programs/piece_types.hpp"
 #include "scan/cycle.hpp"
+#include "scan/nonblocking.hpp"
 #include "scan/program.hpp"
 
 namespace stationd::programs {
@@ -78,28 +79,28 @@ class CellStation : public Program {
   // -- What each program says of its parts
   /// What is to be carried next for a piece of that type. `in_position`: it is here (sensors count); else
   /// it is announced and the first part may be fetched ahead. None: nothing (left) to do.
-  virtual Errand wanted(const PieceType& type, bool in_position) const noexcept = 0;
+  virtual Errand wanted(const PieceType& type, bool in_position) const noexcept STATIOND_NONBLOCKING = 0;
   /// Something to be taken is at errand.from; the code of the warning when there is not.
-  virtual bool source_ready(const Errand& errand) const noexcept = 0;
-  virtual std::uint32_t source_warning() const noexcept = 0;
-  virtual bool target_free(const Errand& errand) const noexcept = 0;
-  virtual bool target_full(const Errand& errand) const noexcept {
+  virtual bool source_ready(const Errand& errand) const noexcept STATIOND_NONBLOCKING = 0;
+  virtual std::uint32_t source_warning() const noexcept STATIOND_NONBLOCKING = 0;
+  virtual bool target_free(const Errand& errand) const noexcept STATIOND_NONBLOCKING = 0;
+  virtual bool target_full(const Errand& errand) const noexcept STATIOND_NONBLOCKING {
     static_cast<void>(errand);
     return false;
   }
-  virtual bool placed(const Errand& errand) const noexcept = 0;
+  virtual bool placed(const Errand& errand) const noexcept STATIOND_NONBLOCKING = 0;
   /// The code of what sensors and record cannot settle about the piece in position; 0: nothing. Every scan
   /// from work to release. `question`: an earlier fault's code that the operator has answered by reset and
   /// Start; else 0.
-  virtual std::uint32_t contradiction(std::uint32_t question) noexcept = 0;
+  virtual std::uint32_t contradiction(std::uint32_t question) noexcept STATIOND_NONBLOCKING = 0;
   /// First scan after Start with good inputs, before anything moves.
-  virtual void derive(const PieceType* type) noexcept { static_cast<void>(type); }
+  virtual void derive(const PieceType* type) noexcept STATIOND_NONBLOCKING { static_cast<void>(type); }
 
   // -- For those hooks
   bool placing(Kind kind) const noexcept {
     return ((piece_placing_.get() >> static_cast<unsigned>(kind)) & 1U) != 0;
   }
-  void set_placing(Kind kind, bool on) noexcept;
+  void set_placing(Kind kind, bool on) noexcept STATIOND_NONBLOCKING;
   bool carries(Kind kind) const noexcept { return arm_.errand().kind == kind; }
 
   In<bool> pallet_at_entry, pallet_in_transfer, pallet_in_position, next_entry_clear;
@@ -142,50 +143,50 @@ class CellStation : public Program {
   };
 
   // cell_station.cpp: the scan as a whole
-  void begin(Cycle& cycle) noexcept;
-  bool inputs_usable(Cycle& cycle) noexcept;
-  bool switches_agree(Cycle& cycle) noexcept;
-  void derive_all(Cycle& cycle) noexcept;
-  void run_arm(Cycle& cycle) noexcept;
-  ArmInputs arm_inputs() const noexcept;
-  ArmPermits arm_permits(const Cycle& cycle) noexcept;
-  Errand errand_now(const Cycle& cycle) const noexcept;
-  void record_for_arm(Cycle& cycle) noexcept;
-  void drive() noexcept;
-  void report(Cycle& cycle) noexcept;
-  void fail(Cycle& cycle, std::uint32_t code, std::int64_t detail = 0) noexcept;
+  void begin(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  bool inputs_usable(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  bool switches_agree(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void derive_all(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_arm(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  ArmInputs arm_inputs() const noexcept STATIOND_NONBLOCKING;
+  ArmPermits arm_permits(const Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  Errand errand_now(const Cycle& cycle) const noexcept STATIOND_NONBLOCKING;
+  void record_for_arm(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void drive() noexcept STATIOND_NONBLOCKING;
+  void report(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void fail(Cycle& cycle, std::uint32_t code, std::int64_t detail = 0) noexcept STATIOND_NONBLOCKING;
 
   // cell_track.cpp: the steps
-  void run_track(Cycle& cycle) noexcept;
-  void go(Step step) noexcept;
-  bool late(std::int64_t more_ns = 0) const noexcept;
-  void run_settle(Cycle& cycle) noexcept;
-  void run_wait_pallet(Cycle& cycle) noexcept;
-  void watch_arrival(Cycle& cycle) noexcept;
-  void run_arrival(Cycle& cycle) noexcept;
-  void run_clamp_and_read(Cycle& cycle) noexcept;
-  void run_identify(Cycle& cycle) noexcept;
-  void run_wait_begin(Cycle& cycle) noexcept;
-  void run_work(Cycle& cycle) noexcept;
-  void run_press(Cycle& cycle) noexcept;
-  void run_end(Cycle& cycle) noexcept;
-  void run_wait_next(Cycle& cycle) noexcept;
-  void run_release(Cycle& cycle) noexcept;
-  bool next_takes() const noexcept;
-  bool names_later(const PieceInputs& other) const noexcept;
+  void run_track(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void go(Step step) noexcept STATIOND_NONBLOCKING;
+  bool late(std::int64_t more_ns = 0) const noexcept STATIOND_NONBLOCKING;
+  void run_settle(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_wait_pallet(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void watch_arrival(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_arrival(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_clamp_and_read(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_identify(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_wait_begin(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_work(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_press(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_end(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_wait_next(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void run_release(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  bool next_takes() const noexcept STATIOND_NONBLOCKING;
+  bool names_later(const PieceInputs& other) const noexcept STATIOND_NONBLOCKING;
 
   // cell_identity.cpp: which piece this is, and what the neighbours are told
-  void load(Cycle& cycle) noexcept;
-  void hear(Cycle& cycle) noexcept;
-  void store_queue(Cycle& cycle) noexcept;
-  std::uint32_t visible() const noexcept;
-  void resolve_lost_pallets(Cycle& cycle) noexcept;
-  void identify(Cycle& cycle) noexcept;
-  void identify_known(Cycle& cycle) noexcept;
-  void identify_new(Cycle& cycle) noexcept;
-  void take_on(Cycle& cycle, const Announcement& from) noexcept;
-  void publish_piece() noexcept;
-  void forget_piece() noexcept;
+  void load(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void hear(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void store_queue(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  std::uint32_t visible() const noexcept STATIOND_NONBLOCKING;
+  void resolve_lost_pallets(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void identify(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void identify_known(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void identify_new(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void take_on(Cycle& cycle, const Announcement& from) noexcept STATIOND_NONBLOCKING;
+  void publish_piece() noexcept STATIOND_NONBLOCKING;
+  void forget_piece() noexcept STATIOND_NONBLOCKING;
   const PieceType* piece_type() const noexcept { return types_.find(piece_code_); }
 
   PieceTypes types_;

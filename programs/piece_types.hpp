@@ -9,6 +9,7 @@
 #include <span>
 #include <string_view>
 
+#include "scan/nonblocking.hpp"
 #include "scan/program.hpp"
 
 namespace stationd::programs {
@@ -35,7 +36,7 @@ class PieceTypes {
   PieceTypes(std::span<const Recipe> recipes, std::span<const Kind> kinds, bool with_press_time);
 
   /// Null when no type has that code.
-  const PieceType* find(std::uint32_t code) const noexcept;
+  const PieceType* find(std::uint32_t code) const noexcept STATIOND_NONBLOCKING;
 
  private:
   std::array<PieceType, kMax> types_{};

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "scan/messages.hpp"
+#include "scan/nonblocking.hpp"
 
 namespace stationd {
 
@@ -32,7 +33,7 @@ constexpr bool is_question(const CodeInfo& info) noexcept {
 }
 
 /// The row of that code; null if there is none.
-const CodeInfo* find_code(std::uint32_t code) noexcept;
+const CodeInfo* find_code(std::uint32_t code) noexcept STATIOND_NONBLOCKING;
 
 namespace code {
 constexpr std::uint32_t overrun = 1001;

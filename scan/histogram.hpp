@@ -8,6 +8,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "scan/nonblocking.hpp"
+
 namespace stationd {
 
 /// Each power of two is cut into 128 buckets: a value is told within 1/128 (0.8 %). Negative values count as
@@ -15,7 +17,7 @@ namespace stationd {
 class Histogram {
  public:
   /// Writer thread.
-  void record(std::int64_t value_ns) noexcept {
+  void record(std::int64_t value_ns) noexcept STATIOND_NONBLOCKING {
     if (value_ns < 0) value_ns = 0;
     // What a reader derives from the count or a bucket is written before it, so that it never lags behind.
     if (value_ns > max_ns_.load(std::memory_order_relaxed))
@@ -48,7 +50,7 @@ class Histogram {
   static void add(std::atomic<std::uint64_t>& to, std::uint64_t n) noexcept {
     to.store(to.load(std::memory_order_relaxed) + n, std::memory_order_release);
   }
-  static std::size_t index(std::int64_t value_ns) noexcept;
+  static std::size_t index(std::int64_t value_ns) noexcept STATIOND_NONBLOCKING;
   static std::int64_t upper_ns(std::size_t index) noexcept;
 
   std::array<std::atomic<std::uint64_t>, kBuckets> buckets_{};

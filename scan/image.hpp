@@ -12,6 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "scan/nonblocking.hpp"
 #include "scan/value.hpp"
 
 namespace stationd {
@@ -53,7 +54,7 @@ class Image {
   /// Set-up, before seal(): change the specification (initial, safe, hold) from the configuration.
   TagSpec& spec(TagIndex tag) { return specs_[tag]; }
   std::size_t size() const noexcept { return specs_.size(); }
-  std::uint32_t slot_count(TagIndex tag) const noexcept {
+  std::uint32_t slot_count(TagIndex tag) const noexcept STATIOND_NONBLOCKING {
     return sealed() ? first_slot_[tag + 1] - first_slot_[tag] : slots_of(specs_[tag]);
   }
   bool sealed() const noexcept { return !first_slot_.empty(); }
@@ -64,7 +65,7 @@ class Image {
   const Quality* quality(TagIndex tag) const noexcept { return &qualities_[tag]; }
 
  private:
-  static std::uint32_t slots_of(const TagSpec& spec) noexcept;
+  static std::uint32_t slots_of(const TagSpec& spec) noexcept STATIOND_NONBLOCKING;
 
   std::vector<TagSpec> specs_;
   std::unordered_map<std::string, TagIndex> by_name_;

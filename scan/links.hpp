@@ -11,6 +11,7 @@
 
 #include "scan/image.hpp"
 #include "scan/messages.hpp"
+#include "scan/nonblocking.hpp"
 #include "scan/ring.hpp"
 #include "scan/snapshot.hpp"
 
@@ -87,13 +88,13 @@ class StopLatch {
     } while (!word_.compare_exchange_weak(old, wanted, std::memory_order_release, std::memory_order_relaxed));
   }
   /// Scan thread. Whether a Stop waits to be taken.
-  bool pending() const noexcept { return word_.load(std::memory_order_acquire) != 0; }
+  bool pending() const noexcept STATIOND_NONBLOCKING { return word_.load(std::memory_order_acquire) != 0; }
   struct Taken {
     StopMode mode;
     std::uint64_t order;
   };
   /// Scan thread; wait-free.
-  Taken take() noexcept {
+  Taken take() noexcept STATIOND_NONBLOCKING {
     if (word_.load(std::memory_order_relaxed) == 0) return {StopMode::none, 0};
     const std::uint64_t word = word_.exchange(0, std::memory_order_acquire);
     return {static_cast<StopMode>(word & 3U), word >> 2U};

@@ -13,6 +13,7 @@
 
 #include "scan/image.hpp"
 #include "scan/messages.hpp"
+#include "scan/nonblocking.hpp"
 #include "scan/value.hpp"
 
 namespace stationd {
@@ -168,14 +169,14 @@ class Program {
 
   /// One scan in RUNNING or STOPPING. Must not allocate, block, log or ask for the time: Cycle has all it
   /// needs.
-  virtual void execute(Cycle& cycle) noexcept = 0;
+  virtual void execute(Cycle& cycle) noexcept STATIOND_NONBLOCKING = 0;
 
   /// One scan in STOPPED or FAULT: watch inputs and announcements; outputs set here have no effect.
-  virtual void idle(Cycle& cycle) noexcept { static_cast<void>(cycle); }
+  virtual void idle(Cycle& cycle) noexcept STATIOND_NONBLOCKING { static_cast<void>(cycle); }
 
   /// Whether the cause of the active fault is gone, asked when `reset` is ordered. 0: reset may be accepted;
   /// else the code of what still stands in the way.
-  virtual std::uint32_t reset_obstacle(const Cycle& cycle) noexcept {
+  virtual std::uint32_t reset_obstacle(const Cycle& cycle) noexcept STATIOND_NONBLOCKING {
     static_cast<void>(cycle);
     return 0;
   }

@@ -10,6 +10,8 @@
 #include <memory>
 #include <type_traits>
 
+#include "scan/nonblocking.hpp"
+
 namespace stationd {
 
 template <class T> class Ring {
@@ -23,7 +25,7 @@ template <class T> class Ring {
   Ring& operator=(const Ring&) = delete;
 
   /// Producer thread. False when full: the record is not taken and dropped() counts it.
-  bool push(const T& item) noexcept {
+  bool push(const T& item) noexcept STATIOND_NONBLOCKING {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (full()) {
       dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
@@ -35,7 +37,7 @@ template <class T> class Ring {
   }
 
   /// Producer thread. Whether a push() now would be refused.
-  bool full() noexcept {
+  bool full() noexcept STATIOND_NONBLOCKING {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
     if (tail - head_cache_ <= mask_) return false;
     head_cache_ = head_.load(std::memory_order_acquire);
@@ -43,13 +45,13 @@ template <class T> class Ring {
   }
 
   /// Producer thread. Records that fit now.
-  std::size_t room() noexcept {
+  std::size_t room() noexcept STATIOND_NONBLOCKING {
     head_cache_ = head_.load(std::memory_order_acquire);
     return capacity() - (tail_.load(std::memory_order_relaxed) - head_cache_);
   }
 
   /// Consumer thread. False when empty.
-  bool pop(T& item) noexcept {
+  bool pop(T& item) noexcept STATIOND_NONBLOCKING {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_cache_) {
       tail_cache_ = tail_.load(std::memory_order_acquire);
@@ -61,7 +63,7 @@ template <class T> class Ring {
   }
 
   /// Consumer thread. The oldest record, left in place; null when empty. Valid until pop().
-  const T* peek() noexcept {
+  const T* peek() noexcept STATIOND_NONBLOCKING {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head == tail_cache_) {
       tail_cache_ = tail_.load(std::memory_order_acquire);

@@ -44,8 +44,10 @@ void receive_wake_signal() noexcept {
 }  // namespace
 
 void EventfdWaker::wake() noexcept {
-  const std::uint64_t one = 1;  // EAGAIN means that the reader has yet to look: nothing is lost
-  static_cast<void>(!write(descriptor_, &one, sizeof one));
+  const std::uint64_t one = 1;
+  // One of the scan's two system calls. The descriptor is non-blocking; EAGAIN means that the reader has yet
+  // to look, and nothing is lost.
+  STATIOND_TRUSTED(static_cast<void>(!write(descriptor_, &one, sizeof one)));
 }
 
 RtGrant lock_memory() {

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <memory>
 
+#include "scan/nonblocking.hpp"
+
 namespace stationd {
 
 class Snapshot {
@@ -20,18 +22,18 @@ class Snapshot {
   std::size_t size_bytes() const noexcept { return size_bytes_; }
 
   /// Writer thread. The buffer to fill; its old content is undefined. The same one until publish().
-  std::byte* writable() noexcept { return buffer(back_); }
+  std::byte* writable() noexcept STATIOND_NONBLOCKING { return buffer(back_); }
 
   /// Writer thread. Makes the filled buffer the newest. True if the one before it was overtaken, that is
   /// never seen by the reader (count it where that matters). The very first publish returns false.
-  bool publish() noexcept {
+  bool publish() noexcept STATIOND_NONBLOCKING {
     const std::uint32_t old = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel);
     back_ = old & kIndex;
     return (old & kFresh) != 0;
   }
 
   /// Reader thread. Takes over the newest block if there is one that was not seen yet; true if so.
-  bool update() noexcept {
+  bool update() noexcept STATIOND_NONBLOCKING {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
     const std::uint32_t old = middle_.exchange(front_, std::memory_order_acq_rel);
     front_ = old & kIndex;
@@ -39,7 +41,7 @@ class Snapshot {
   }
 
   /// Reader thread. The block of the last update(); zeroes before the first. Unchanged until update().
-  const std::byte* readable() const noexcept { return buffer(front_); }
+  const std::byte* readable() const noexcept STATIOND_NONBLOCKING { return buffer(front_); }
 
  private:
   static constexpr std::uint32_t kFresh = 4;
@@ -64,12 +66,12 @@ template <class T> class Latest {
  public:
   Latest() : snapshot_(sizeof(T)) {}
   /// Writer thread. True if the record before it was overtaken.
-  bool publish(const T& value) noexcept {
+  bool publish(const T& value) noexcept STATIOND_NONBLOCKING {
     *reinterpret_cast<T*>(snapshot_.writable()) = value;
     return snapshot_.publish();
   }
   /// Reader thread. True if `value` was replaced by one not seen before.
-  bool take(T& value) noexcept {
+  bool take(T& value) noexcept STATIOND_NONBLOCKING {
     if (!snapshot_.update()) return false;
     value = *reinterpret_cast<const T*>(snapshot_.readable());
     return true;

@@ -14,6 +14,7 @@
 #include "scan/cycle.hpp"
 #include "scan/image.hpp"
 #include "scan/links.hpp"
+#include "scan/nonblocking.hpp"
 #include "scan/program.hpp"
 
 namespace stationd {
@@ -67,17 +68,18 @@ class Station {
 
   // -- The phases of a scan; the scan thread ----------------------------------------------------------------
   /// Stamps the scan (numbered from 1) and takes a Stop; all later phases and their events belong to it.
-  void begin(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_offset_ns) noexcept;
-  void latch() noexcept;
-  void execute() noexcept;
-  void commit() noexcept;
-  void publish(std::uint64_t deadline_misses) noexcept;
+  void begin(std::int64_t now_ns, std::uint64_t scan,
+             std::int64_t utc_offset_ns) noexcept STATIOND_NONBLOCKING;
+  void latch() noexcept STATIOND_NONBLOCKING;
+  void execute() noexcept STATIOND_NONBLOCKING;
+  void commit() noexcept STATIOND_NONBLOCKING;
+  void publish(std::uint64_t deadline_misses) noexcept STATIOND_NONBLOCKING;
   /// Services the oldest request. False: there is none, or it has to wait: a Start while a Stop is latched
   /// (which is carried out first, with a commit of safe values in between), any that wants a reply while the
   /// replies are full.
-  bool service_one() noexcept;
+  bool service_one() noexcept STATIOND_NONBLOCKING;
   /// Latches a fault from outside the program (overrun policy, watchdog).
-  void fault(std::uint32_t code, std::int64_t detail) noexcept;
+  void fault(std::uint32_t code, std::int64_t detail) noexcept STATIOND_NONBLOCKING;
 
   StationState state() const noexcept { return state_; }
   std::uint32_t active_fault() const noexcept { return fault_; }
@@ -95,21 +97,21 @@ class Station {
   void require_unsealed() const;
   void bind();
   void set_up_output(TagIndex tag);
-  void take_stop() noexcept;
-  void resume() noexcept;
-  void latch_link(InputLink& link, std::uint32_t lost_code, std::size_t index) noexcept;
-  void run_idle(Cycle& cycle) noexcept;
-  void apply_safe_outputs() noexcept;
-  void publish_pv(PvLink& link, std::size_t index) noexcept;
-  void publish_retained() noexcept;
-  void raise(std::uint32_t code, bool active, std::int64_t detail) noexcept;
-  bool push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept;
-  void report_lost_events() noexcept;
-  void enter(StationState state, StopCause cause) noexcept;
-  Reply carry_out(const Request& request) noexcept;
-  Reply start(const Request& request, Reply reply) noexcept;
-  Reply reset(Reply reply) noexcept;
-  void set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept;
+  void take_stop() noexcept STATIOND_NONBLOCKING;
+  void resume() noexcept STATIOND_NONBLOCKING;
+  void latch_link(InputLink& link, std::uint32_t lost_code, std::size_t index) noexcept STATIOND_NONBLOCKING;
+  void run_idle(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
+  void apply_safe_outputs() noexcept STATIOND_NONBLOCKING;
+  void publish_pv(PvLink& link, std::size_t index) noexcept STATIOND_NONBLOCKING;
+  void publish_retained() noexcept STATIOND_NONBLOCKING;
+  void raise(std::uint32_t code, bool active, std::int64_t detail) noexcept STATIOND_NONBLOCKING;
+  bool push_event(std::uint32_t code, bool active, std::int64_t detail) noexcept STATIOND_NONBLOCKING;
+  void report_lost_events() noexcept STATIOND_NONBLOCKING;
+  void enter(StationState state, StopCause cause) noexcept STATIOND_NONBLOCKING;
+  Reply carry_out(const Request& request) noexcept STATIOND_NONBLOCKING;
+  Reply start(const Request& request, Reply reply) noexcept STATIOND_NONBLOCKING;
+  Reply reset(Reply reply) noexcept STATIOND_NONBLOCKING;
+  void set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept STATIOND_NONBLOCKING;
 
   StationOptions options_;
   std::unique_ptr<Program> program_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scan/histogram.hpp"
+#include "scan/nonblocking.hpp"
 #include "scan/ring.hpp"
 #include "scan/schedule.hpp"
 #include "scan/station.hpp"
@@ -26,7 +27,7 @@ struct TaskOptions {
 class Stopwatch {
  public:
   virtual ~Stopwatch() = default;
-  virtual std::int64_t now_ns() noexcept = 0;
+  virtual std::int64_t now_ns() noexcept STATIOND_NONBLOCKING = 0;
 };
 
 /// Wakes the thread that sends what a cycle has published. Without one nobody is woken.
@@ -34,7 +35,7 @@ class Waker {
  public:
   virtual ~Waker() = default;
   /// Scan thread; neither blocks nor fails: a wake that is not seen yet stands for the later ones, too.
-  virtual void wake() noexcept = 0;
+  virtual void wake() noexcept STATIOND_NONBLOCKING = 0;
 };
 
 /// One cycle by phase, in nanoseconds; crosses to the log thread when the cycle missed its deadline.
@@ -69,7 +70,7 @@ class Task {
   /// `utc_offset_ns`:
   /// CLOCK_REALTIME less CLOCK_MONOTONIC. Scans are numbered from 1.
   std::uint64_t run(const Schedule& schedule, std::uint64_t k, std::int64_t woken_ns,
-                    std::int64_t utc_offset_ns) noexcept;
+                    std::int64_t utc_offset_ns) noexcept STATIOND_NONBLOCKING;
 
   const TaskOptions& options() const noexcept { return options_; }
   const std::vector<Station*>& stations() const noexcept { return stations_; }
@@ -81,8 +82,8 @@ class Task {
   void wake() noexcept {
     if (waker_ != nullptr) waker_->wake();
   }
-  std::uint64_t service(std::int64_t next_due_ns) noexcept;
-  void account(CycleRecord& record) noexcept;
+  std::uint64_t service(std::int64_t next_due_ns) noexcept STATIOND_NONBLOCKING;
+  void account(CycleRecord& record) noexcept STATIOND_NONBLOCKING;
 
   static constexpr std::int64_t kServiceReserveNs = 20'000;  // left free before the next due time
   static constexpr int kServicePerScan = 32;  // and station: one flood does not eat the whole slack
