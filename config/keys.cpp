@@ -13,6 +13,10 @@ constexpr std::array kController = {
         "`true`: refuse to start when the system refuses real-time priority, memory lock or CPU; `false`: "
         "say so and "
         "go on."},
+    Key{"restart_on_stuck", "boolean", "`false`",
+        "`true`: while a task makes no progress the service manager's watchdog is not fed, so it restarts "
+        "the "
+        "daemon; `false`: the stations of the other tasks go on."},
 };
 
 constexpr std::array kLog = {

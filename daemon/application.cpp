@@ -70,9 +70,9 @@ int next_signal(std::int64_t timeout_ns) {
   return s > 0 ? s : 0;
 }
 
-void reload(const config::Configuration& running, Log& log, Notify& notify) {
+void reload(const config::Configuration& running, const ProgramList& programs, Log& log, Notify& notify) {
   notify.reloading();
-  const config::ProgramCatalogue catalogue = program_catalogue();
+  const config::ProgramCatalogue catalogue = program_catalogue(programs);
   const auto fresh = config::load_controller(running.file, &catalogue);
   if (fresh) {
     log.set_least(severity_of(fresh.value->log_level));
@@ -100,7 +100,8 @@ Began wait_for_first_scans(Controller& controller) {
 }
 
 /// Until SIGTERM, SIGINT, or a reason to give up.
-int serve(Controller& controller, const config::Configuration& configuration, Log& log, Notify& notify) {
+int serve(Controller& controller, const config::Configuration& configuration, const ProgramList& programs,
+          Log& log, Notify& notify) {
   std::int64_t next_status_ns = 0;
   std::int64_t next_watchdog_ns = 0;
   while (true) {
@@ -109,7 +110,7 @@ int serve(Controller& controller, const config::Configuration& configuration, Lo
       log.info(std::string(s == SIGTERM ? "SIGTERM" : "SIGINT") + ": stopping, outputs go safe");
       return kExitOk;
     }
-    if (s == SIGHUP) reload(configuration, log, notify);
+    if (s == SIGHUP) reload(configuration, programs, log, notify);
     const std::int64_t now_ns = monotonic_ns();
     controller.housekeep(now_ns);
     controller.refuse_duplicate();
@@ -117,16 +118,16 @@ int serve(Controller& controller, const config::Configuration& configuration, Lo
       notify.status(controller.status_line());
       next_status_ns = now_ns + kStatusEveryNs;
     }
-    const bool alive = controller.made_progress(now_ns);
-    if (alive && notify.watchdog_limit_ns() > 0 && now_ns >= next_watchdog_ns) {
+    if (controller.alive(now_ns) && notify.watchdog_limit_ns() > 0 && now_ns >= next_watchdog_ns) {
       notify.watchdog();
       next_watchdog_ns = now_ns + notify.watchdog_limit_ns() / 4;
     }
   }
 }
 
-int run_controller(const config::Configuration& configuration, Log& log, Notify& notify) {
-  Controller controller(configuration, log);
+int run_controller(const config::Configuration& configuration, const ProgramList& programs, Log& log,
+                   Notify& notify) {
+  Controller controller(configuration, log, programs);
   const std::vector<RtGrant> grants = controller.start_scans();
   for (const RtGrant& grant : grants)
     if (!grant.granted && configuration.require_realtime) {
@@ -139,7 +140,7 @@ int run_controller(const config::Configuration& configuration, Log& log, Notify&
   controller.start_field();
   log.info("ready: " + controller.status_line());
   notify.ready(controller.status_line());
-  const int status = serve(controller, configuration, log, notify);
+  const int status = serve(controller, configuration, programs, log, notify);
   notify.stopping();
   if (!controller.stop()) {
     // Nothing that the stuck thread uses may be freed under it; the devices have their safe values.
@@ -153,12 +154,12 @@ int run_controller(const config::Configuration& configuration, Log& log, Notify&
   return status;
 }
 
-int run(const config::Configuration& configuration) {
+int run(const config::Configuration& configuration, const ProgramList& programs) {
   prepare_process();
   Log log(configuration.name, severity_of(configuration.log_level));
   SystemdNotify notify;
   try {
-    return run_controller(configuration, log, notify);
+    return run_controller(configuration, programs, log, notify);
   } catch (const AlreadyRunning& e) {
     log.error(e.what());
     return kExitUnavailable;
@@ -192,7 +193,7 @@ bool parse(const std::vector<std::string>& arguments, Command& command, std::str
 
 }  // namespace
 
-int run_stationd(const std::vector<std::string>& arguments) {
+int run_stationd(const std::vector<std::string>& arguments, const ProgramList& programs) {
   for (const std::string& a : arguments) {
     if (a == "--help" || a == "-h") return std::fputs(kUsage, stdout) < 0 ? kExitFailure : kExitOk;
     if (a == "--version")
@@ -205,7 +206,7 @@ int run_stationd(const std::vector<std::string>& arguments) {
     std::fprintf(stderr, "stationd: %s\n%s", error.c_str(), kUsage);
     return kExitUsage;
   }
-  const config::ProgramCatalogue catalogue = program_catalogue();
+  const config::ProgramCatalogue catalogue = program_catalogue(programs);
   const auto loaded = config::load_controller(command.file, &catalogue);
   if (!loaded) {
     for (const config::Problem& p : loaded.problems) std::fprintf(stderr, "%s\n", p.text.c_str());
@@ -221,7 +222,7 @@ int run_stationd(const std::vector<std::string>& arguments) {
     case Command::What::write_safe: return write_safe_outputs(*loaded.value);
     case Command::What::run: break;
   }
-  return run(*loaded.value);
+  return run(*loaded.value, programs);
 }
 
 }  // namespace stationd

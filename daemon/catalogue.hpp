@@ -4,9 +4,10 @@
 #pragma once
 
 #include "config/config.hpp"
+#include "programs/programs.hpp"
 
 namespace stationd {
 
-config::ProgramCatalogue program_catalogue();
+config::ProgramCatalogue program_catalogue(const ProgramList& programs = all_programs());
 
 }  // namespace stationd

@@ -42,10 +42,17 @@ std::vector<RtGrant> Controller::start_scans() {
   for (RunningTask& t : tasks_) {
     t.thread = std::make_unique<RtThread>(*t.task, t.rt, utc_offset_ns_);
     for (RtGrant& g : t.thread->start()) grants.push_back(std::move(g));
-    t.progress_ns = monotonic_ns();
   }
+  start_watchdog(grants);
   log_grants(grants);
   return grants;
+}
+
+void Controller::start_watchdog(std::vector<RtGrant>& grants) {
+  std::vector<RtWatchdog::Watched> watched;
+  for (RunningTask& t : tasks_) watched.push_back({t.task.get(), t.thread.get(), t.watchdog_ns});
+  watchdog_ = std::make_unique<RtWatchdog>(std::move(watched));
+  for (RtGrant& g : watchdog_->start(utc_offset_ns_)) grants.push_back(std::move(g));
 }
 
 void Controller::log_grants(const std::vector<RtGrant>& grants) {
@@ -72,6 +79,7 @@ bool Controller::stop() noexcept {
   bool ended = true;
   for (RunningTask& t : tasks_)
     if (t.thread && !t.thread->stop(kScanEndLimitNs)) ended = false;
+  if (watchdog_) watchdog_->stop();
   for (auto& device : devices_) device->stop();
   if (retain_) retain_->stop();
   if (bridge_) bridge_->stop();
@@ -84,19 +92,29 @@ bool Controller::first_scans_done() const {
                      [](const RunningTask& t) { return t.task->figures().scans.load() > 0; });
 }
 
-bool Controller::made_progress(std::int64_t now_ns) {
-  bool all = true;
-  for (RunningTask& t : tasks_) {
-    const std::uint64_t scans = t.task->figures().scans.load(std::memory_order_relaxed);
-    if (scans != t.seen_scans) {
-      t.seen_scans = scans;
-      t.progress_ns = now_ns;
+bool Controller::alive(std::int64_t now_ns) const {
+  return !watchdog_->stalled(now_ns) && !(configuration_.restart_on_stuck && watchdog_->any_stuck());
+}
+
+void Controller::report_stuck() {
+  RtWatchdog::Report report;
+  while (watchdog_ && watchdog_->reports().pop(report)) {
+    const Task& task = *tasks_[report.task].task;
+    const std::string idle = std::to_string(report.idle_ns / 1'000'000) + " ms";
+    std::string text = "task " + task.options().name;
+    if (report.stuck) {
+      text += ": no progress for " + idle + "; its outputs are made safe";
+      if (report.station >= 0)
+        text += "; the program of station " +
+                task.stations()[static_cast<std::size_t>(report.station)]->name() + " does not return";
+      if (report.demoted) text += "; its thread has no real-time rights until it moves again";
+    } else {
+      text += ": moves again; its stations are in FAULT until reset";
     }
-    if (now_ns - t.progress_ns <= t.watchdog_ns + t.task->options().period_ns) continue;
-    all = false;
-    for (Station* s : t.task->stations()) s->port().permit.store(false, std::memory_order_release);
+    log_.line(
+        report.stuck ? LogSeverity::error : LogSeverity::warning, text,
+        {{"STATIOND_EVENT", report.stuck ? "stuck" : "unstuck"}, {"STATIOND_TASK", task.options().name}});
   }
-  return all;
 }
 
 std::int64_t Controller::longest_wait_ns() const {
@@ -117,6 +135,7 @@ void Controller::refuse_duplicate() const {
 void Controller::housekeep(std::int64_t now_ns) {
   utc_offset_ns_.store(stationd::utc_offset_ns(), std::memory_order_relaxed);
   report_misses(now_ns);
+  report_stuck();
 }
 
 void Controller::report_misses(std::int64_t now_ns) {

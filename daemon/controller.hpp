@@ -19,7 +19,9 @@
 #include "dds_bridge/station_bridge.hpp"
 #include "io/device.hpp"
 #include "io/plant/simulated_backend.hpp"
+#include "programs/programs.hpp"
 #include "scan/rt_thread.hpp"
+#include "scan/rt_watchdog.hpp"
 #include "scan/task.hpp"
 
 namespace stationd {
@@ -33,7 +35,8 @@ class AlreadyRunning : public std::runtime_error {
 class Controller {
  public:
   /// Builds all, connects all; nothing runs yet. Throws SetupError, AlreadyRunning, bus::BusError.
-  Controller(const config::Configuration& configuration, Log& log);
+  Controller(const config::Configuration& configuration, Log& log,
+             const ProgramList& programs = all_programs());
   ~Controller();
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;
@@ -53,8 +56,9 @@ class Controller {
   bool first_scans_done() const;
   /// Longest time from start to a first scan: period and phase.
   std::int64_t longest_wait_ns() const;
-  /// False while a task makes no progress for its watchdog time; its stations then lose their output permits.
-  bool made_progress(std::int64_t now_ns);
+  /// Whether the service manager may be told that all is well: the watchdog thread runs, and with
+  /// restart_on_stuck no task is stuck.
+  bool alive(std::int64_t now_ns) const;
   /// Throws AlreadyRunning when another live daemon was heard with a station of one of our names.
   void refuse_duplicate() const;
   /// Housekeeping, a few times a second: log lines about deadline misses, UTC offset.
@@ -68,8 +72,6 @@ class Controller {
     std::unique_ptr<RtThread> thread;
     std::unique_ptr<MissReport> report;
     std::int64_t watchdog_ns = 0;
-    std::uint64_t seen_scans = 0;
-    std::int64_t progress_ns = 0;
     RtOptions rt;
   };
 
@@ -89,9 +91,12 @@ class Controller {
   bus::TaskFigures figures_of(const Task& task);
 
   void report_misses(std::int64_t now_ns);
+  void start_watchdog(std::vector<RtGrant>& grants);
+  void report_stuck();
 
   const config::Configuration& configuration_;
   Log& log_;
+  ProgramList programs_;
   StateLock lock_;
   bool stopped_ = false;
   MonotonicStopwatch stopwatch_;
@@ -103,6 +108,7 @@ class Controller {
   std::shared_ptr<io::SharedPlant> plant_;
   std::vector<std::unique_ptr<io::Device>> devices_;
   std::vector<RunningTask> tasks_;
+  std::unique_ptr<RtWatchdog> watchdog_;
   std::unique_ptr<bus::Bus> bus_;
   std::unique_ptr<bus::StationBridge> bridge_;
 };

@@ -18,9 +18,9 @@ constexpr std::int64_t kRetainIntervalNs = 1'000'000'000;
 
 }  // namespace
 
-Controller::Controller(const config::Configuration& configuration, Log& log)
-    : configuration_(configuration), log_(log), lock_(configuration.state_dir, configuration.name),
-      utc_offset_ns_(stationd::utc_offset_ns()) {
+Controller::Controller(const config::Configuration& configuration, Log& log, const ProgramList& programs)
+    : configuration_(configuration), log_(log), programs_(programs),
+      lock_(configuration.state_dir, configuration.name), utc_offset_ns_(stationd::utc_offset_ns()) {
   lock_state_directory();
   retain_ = std::make_unique<RetainThread>(log_, kRetainIntervalNs);
   for (const config::StationConfig& s : configuration_.stations) build_station(s);
@@ -45,7 +45,7 @@ void Controller::build_station(const config::StationConfig& s) {
   options.name = s.name;
   options.on_restart = s.on_restart;
   options.pv_heartbeat_ns = configuration_.pv_heartbeat_ns;
-  auto station = std::make_unique<Station>(options, make_program(s.program, program));
+  auto station = std::make_unique<Station>(options, make_program(s.program, program, programs_));
   map_tags(*station, s);
   link_devices(*station, stations_.size());
   station->set_bus_limits(configuration_.bus_stale_after_ns, configuration_.bus_bad_after_ns);

@@ -19,11 +19,20 @@ bool same(const StatusRecord& a, const StatusRecord& b) {
          a.fault == b.fault && a.warning == b.warning && a.step == b.step && a.piece == b.piece;
 }
 
+/// Of a station whose scan hangs: what it will say itself when it goes on.
+StatusRecord of_hung(StatusRecord record) {
+  if (record.state == StationState::FAULT) return record;
+  record.state = StationState::FAULT;
+  record.fault = code::watchdog;
+  record.ready = false;
+  return record;
+}
+
 }  // namespace
 
 BusOut::BusOut(Context& context, EventWriter& events) : context_(context), events_(events) {
   for (const auto& entry : context_.stations) {
-    Out out{.entry = entry.get(), .pvs = {}, .record = {}, .status = {}};
+    Out out{.entry = entry.get(), .pvs = {}, .said = {}, .record = {}, .status = {}};
     for (const auto& link : entry->station->pvs()) out.pvs.push_back(make_pv(*entry->station, *link));
     outs_.push_back(std::move(out));
   }
@@ -71,25 +80,35 @@ void BusOut::farewell() {
   }
 }
 
+/// The scan's and the watchdog's, in the order of their numbers.
 void BusOut::send_events(Out& out) {
-  const Station& station = *out.entry->station;
-  Event event;
-  while (out.entry->station->port().events.pop(event)) {
-    Gse gse;
-    gse.ERROR = event.active && event.severity != Severity::info;
-    gse.STATUS = event.code;
-    gse.STATION = station.name();
-    gse.EPOCH = station.epoch();
-    gse.SEQ = event.seq;
-    gse.SEVERITY = static_cast<std::uint32_t>(event.severity);
-    gse.ACTIVE = event.active;
-    gse.EDGE = event.edge;
-    gse.SOURCE_TIME = event.utc_ns;
-    gse.DETAIL = event.detail;
-    const CodeInfo* info = find_code(event.code);
-    gse.TEXT = info == nullptr ? code_text(event.code) : clipped(info->name, kTextBound);
-    events_.put(std::move(gse));
+  StationPort& port = out.entry->station->port();
+  while (true) {
+    const Event* scan = port.events.peek();
+    const Event* watchdog = port.watchdog_events.peek();
+    if (scan == nullptr && watchdog == nullptr) return;
+    const bool first = watchdog == nullptr || (scan != nullptr && scan->seq < watchdog->seq);
+    Event event;
+    (first ? port.events : port.watchdog_events).pop(event);
+    send_event(*out.entry->station, event);
   }
+}
+
+void BusOut::send_event(const Station& station, const Event& event) {
+  Gse gse;
+  gse.ERROR = event.active && event.severity != Severity::info;
+  gse.STATUS = event.code;
+  gse.STATION = station.name();
+  gse.EPOCH = station.epoch();
+  gse.SEQ = event.seq;
+  gse.SEVERITY = static_cast<std::uint32_t>(event.severity);
+  gse.ACTIVE = event.active;
+  gse.EDGE = event.edge;
+  gse.SOURCE_TIME = event.utc_ns;
+  gse.DETAIL = event.detail;
+  const CodeInfo* info = find_code(event.code);
+  gse.TEXT = info == nullptr ? code_text(event.code) : clipped(info->name, kTextBound);
+  events_.put(std::move(gse));
 }
 
 void BusOut::send_pvs(Out& out) {
@@ -114,18 +133,24 @@ template <class T> void BusOut::send_pv(const Pv& pv, const Station& station, co
 }
 
 void BusOut::send_status(Out& out, std::int64_t now_ns) {
+  StationPort& port = out.entry->station->port();
+  const bool hung = port.hung.load(std::memory_order_acquire);
+  const bool first = out.record_ns == 0;
   const StatusRecord before = out.record;
-  if (out.entry->station->port().status.take(out.record)) {
-    const bool first = out.record_ns == 0;
-    out.record_ns = now_ns;
+  const bool taken = port.status.take(out.said);
+  if (taken) out.record_ns = now_ns;
+  if (out.record_ns == 0) return;
+  if (taken || hung) {
+    out.record = hung ? of_hung(out.said) : out.said;
     if (!first && (before.state != out.record.state || before.fault != out.record.fault))
       say_state(out, before, now_ns);
     if (first || !same(before, out.record)) out.sent_ns = 0;  // at once
   }
-  if (out.record_ns == 0) return;
   if (out.sent_ns != 0 && now_ns - out.sent_ns < context_.options.status_period_ns) return;
-  // A scan that says nothing any more is not spoken for: its observers shall see it go stale.
-  if (out.sent_ns != 0 && now_ns - out.record_ns > std::max(kStalled, 3 * out.status.PERIOD_NS)) return;
+  // A scan that says nothing any more is not spoken for, unless the watchdog does: its observers shall see it
+  // go stale.
+  const bool silent = now_ns - out.record_ns > std::max(kStalled, 3 * out.status.PERIOD_NS);
+  if (out.sent_ns != 0 && silent && !hung) return;
   fill_status(out);
   out.sent_ns = now_ns;
   if (!context_.quiet()) context_.bus.write(out.status);

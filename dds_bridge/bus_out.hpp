@@ -50,7 +50,8 @@ class BusOut {
   struct Out {
     BridgedEntry* entry;
     std::vector<Pv> pvs;
-    StatusRecord record;
+    StatusRecord said;    // by the scan
+    StatusRecord record;  // as published
     Status status;
     std::int64_t sent_ns = 0;    // Status; 0: never
     std::int64_t record_ns = 0;  // when the record was taken; 0: never
@@ -58,6 +59,7 @@ class BusOut {
 
   Pv make_pv(const Station& station, PvLink& link) const;
   void send_events(Out& out);
+  void send_event(const Station& station, const Event& event);
   void send_pvs(Out& out);
   template <class T> void send_pv(const Pv& pv, const Station& station, const Slot* slots, T& message);
   void send_status(Out& out, std::int64_t now_ns);

@@ -108,6 +108,11 @@ class StopLatch {
 struct StationPort {
   StationPort(std::size_t requests_capacity, std::size_t events_capacity)
       : requests(requests_capacity), replies(requests_capacity), events(events_capacity) {}
+
+  /// Watchdog thread. The scan makes no progress: takes the permit, marks the station as hung, and raises the
+  /// event that the scan cannot.
+  void hang(std::int64_t idle_ns, std::int64_t utc_ns) noexcept;
+
   StopLatch stop;
   Ring<Request> requests;       ///< bus-in -> scan. Full: the bus answers "busy" or counts
   Ring<Reply> replies;          ///< scan -> bus-out
@@ -115,7 +120,12 @@ struct StationPort {
   Latest<StatusRecord> status;  ///< scan -> bus-out
   std::atomic<bool> permit{
       false};  ///< scan grants at Start; watchdog revokes; I/O threads check at every send
-  std::atomic<std::uint64_t> progress{0};  ///< scans finished; the watchdog reads
+  std::atomic<std::uint64_t> progress{0};  ///< scans finished
+  /// Watchdog sets; the scan takes it in its next cycle and goes to FAULT; meanwhile bus-out speaks for it.
+  std::atomic<bool> hung{false};
+  std::atomic<bool> executing{false};       ///< the program has the CPU; the watchdog reads, to name it
+  std::atomic<std::uint32_t> event_seq{0};  ///< of the last event; scan and watchdog count
+  Ring<Event> watchdog_events{8};           ///< watchdog -> event writer
 };
 
 }  // namespace stationd

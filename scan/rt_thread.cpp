@@ -6,6 +6,7 @@
 #include <sys/eventfd.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -20,6 +21,7 @@ namespace {
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::size_t kStackBytes = 256 * 1024;
 constexpr std::size_t kPrefaultBytes = 128 * 1024;
+constexpr int kLeast = 19;            // nice value of a stuck thread
 constexpr int kWakeSignal = SIGUSR1;  // interrupts the wait for a due time
 
 void prefault_stack() noexcept {
@@ -57,6 +59,16 @@ RtGrant lock_memory() {
               ": grant CAP_IPC_LOCK or raise the memlock limit (systemd: LimitMEMLOCK=)"};
 }
 
+RtGrant ask_for_fifo(pthread_t thread, int priority, const std::string& whose) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  const int e = pthread_setschedparam(thread, SCHED_FIFO, &parameters);
+  return {whose + "SCHED_FIFO " + std::to_string(priority), e == 0,
+          e == 0 ? ""
+                 : std::string(std::strerror(e)) +
+                       ": grant CAP_SYS_NICE or raise the rtprio limit (systemd: LimitRTPRIO=)"};
+}
+
 RtThread::RtThread(Task& task, RtOptions options, const std::atomic<std::int64_t>& utc_offset_ns)
     : task_(task), options_(options), waker_(options.wake_fd), utc_offset_ns_(utc_offset_ns) {
   if (options_.wake_fd >= 0) task_.set_waker(&waker_);
@@ -88,15 +100,28 @@ std::vector<RtGrant> RtThread::start() {
          e == 0 ? "" : std::string(std::strerror(e)) + ": choose a CPU that this machine has and allows"});
   }
   if (options_.priority > 0) {
-    sched_param parameters{};
-    parameters.sched_priority = options_.priority;
-    const int e = pthread_setschedparam(thread_, SCHED_FIFO, &parameters);
-    grants.push_back({"SCHED_FIFO " + std::to_string(options_.priority), e == 0,
-                      e == 0 ? ""
-                             : std::string(std::strerror(e)) +
-                                   ": grant CAP_SYS_NICE or raise the rtprio limit (systemd: LimitRTPRIO=)"});
+    grants.push_back(ask_for_fifo(thread_, options_.priority));
+    fifo_.store(grants.back().granted, std::memory_order_relaxed);
   }
   return grants;
+}
+
+/// By the thread's number and without the C library, whose calls share a lock with the thread.
+bool RtThread::demote() noexcept {
+  const pid_t tid = tid_.load(std::memory_order_acquire);
+  if (tid == 0 || !fifo_.load(std::memory_order_relaxed)) return false;
+  const sched_param none{};
+  setpriority(PRIO_PROCESS, static_cast<id_t>(tid), kLeast);
+  return sched_setscheduler(tid, SCHED_OTHER, &none) == 0;
+}
+
+bool RtThread::promote() noexcept {
+  const pid_t tid = tid_.load(std::memory_order_acquire);
+  if (tid == 0 || !fifo_.load(std::memory_order_relaxed)) return false;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(tid), 0);
+  sched_param parameters{};
+  parameters.sched_priority = options_.priority;
+  return sched_setscheduler(tid, SCHED_FIFO, &parameters) == 0;
 }
 
 void* RtThread::entry(void* self) {
@@ -122,11 +147,15 @@ void RtThread::loop() noexcept {
   const std::int64_t period_ns = task_.options().period_ns;
   const std::int64_t start_ns = (monotonic_ns() / period_ns + 1) * period_ns;
   const Schedule schedule(start_ns, task_.options().phase_ns, period_ns);
+  tid_.store(gettid(), std::memory_order_release);
   std::uint64_t k = 0;
   while (true) {
+    owed_since_ns_.store(schedule.due_ns(k), std::memory_order_relaxed);
     wait_until(schedule.due_ns(k));
     if (stop_.load(std::memory_order_acquire)) break;
-    k = task_.run(schedule, k, monotonic_ns(), utc_offset_ns_.load(std::memory_order_relaxed));
+    const std::int64_t woken_ns = monotonic_ns();
+    owed_since_ns_.store(woken_ns, std::memory_order_relaxed);
+    k = task_.run(schedule, k, woken_ns, utc_offset_ns_.load(std::memory_order_relaxed));
   }
   ended_.store(true, std::memory_order_release);
 }

@@ -45,6 +45,9 @@ struct RtGrant {
   std::string reason;  ///< why refused, and what to do about it
 };
 
+/// Gives a thread SCHED_FIFO at that priority; the grant's name is `whose` and the policy.
+RtGrant ask_for_fifo(pthread_t thread, int priority, const std::string& whose = "");
+
 /// Locks all present and future memory. From set-up, before threads start.
 RtGrant lock_memory();
 
@@ -65,6 +68,16 @@ class RtThread {
   /// was left alone.
   bool stop(std::int64_t limit_ns) noexcept;
   bool running() const noexcept { return started_; }
+  /// The priority asked for; 0: none.
+  int priority() const noexcept { return options_.priority; }
+
+  /// Any thread. From when on the scan owes progress: the due time it waits for, or when it woke
+  /// (CLOCK_MONOTONIC).
+  std::int64_t owed_since_ns() const noexcept { return owed_since_ns_.load(std::memory_order_relaxed); }
+  /// The watchdog thread. Takes real-time rights from the scan thread (normal scheduling, nice 19) and gives
+  /// them back. False: it had none, or the kernel refused.
+  bool demote() noexcept;
+  bool promote() noexcept;
 
  private:
   static void* entry(void* self);
@@ -77,6 +90,9 @@ class RtThread {
   const std::atomic<std::int64_t>& utc_offset_ns_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};
+  std::atomic<std::int64_t> owed_since_ns_{INT64_MAX};
+  std::atomic<pid_t> tid_{0};  // 0: the loop has not begun
+  std::atomic<bool> fifo_{false};
   bool started_ = false;
   pthread_t thread_{};
 };

@@ -98,6 +98,7 @@ class Station {
   void bind();
   void set_up_output(TagIndex tag);
   void take_stop() noexcept STATIOND_NONBLOCKING;
+  void take_hang() noexcept STATIOND_NONBLOCKING;
   void resume() noexcept STATIOND_NONBLOCKING;
   void latch_link(InputLink& link, std::uint32_t lost_code, std::size_t index) noexcept STATIOND_NONBLOCKING;
   void run_idle(Cycle& cycle) noexcept STATIOND_NONBLOCKING;
@@ -146,7 +147,6 @@ class Station {
   std::uint32_t pending_fault_ = 0;
   std::int64_t pending_detail_ = 0;
   std::array<Warning, kMaxWarnings> warnings_{};
-  std::uint32_t event_seq_ = 0;
   std::uint64_t events_reported_lost_ = 0;
   bool loss_told_last_ = false;  // the newest event in the ring tells of a loss
   std::uint64_t last_stop_order_ = 0;

@@ -36,8 +36,18 @@ void Station::begin(std::int64_t now_ns, std::uint64_t scan, std::int64_t utc_of
   utc_ns_ = now_ns + utc_offset_ns;
   scan_ = scan;
   take_stop();
-  // Revoked from outside while the scan hung: what the I/O threads made safe stays safe until an operator
-  // acts.
+  take_hang();
+}
+
+/// The watchdog took the permit while the scan hung, and raised the event: what the I/O threads made safe
+/// stays safe until an operator acts.
+void Station::take_hang() noexcept {
+  if (port_.hung.load(std::memory_order_relaxed)) {
+    port_.hung.store(false, std::memory_order_relaxed);
+    if (state_ == StationState::FAULT) return raise(code::watchdog, false, 0);
+    enter(StationState::FAULT, StopCause::after_fault);
+    fault_ = code::watchdog;
+  }
   if (driven(state_) && !port_.permit.load(std::memory_order_acquire)) fault(code::watchdog, 0);
 }
 
@@ -111,6 +121,7 @@ void Station::resume() noexcept {
 
 void Station::execute() noexcept {
   resume();
+  port_.executing.store(true, std::memory_order_relaxed);
   Cycle cycle(*this, now_ns_);
   if (driven(state_)) {
     program_->execute(cycle);
@@ -120,6 +131,7 @@ void Station::execute() noexcept {
     run_idle(cycle);
     ready_ = false;
   }
+  port_.executing.store(false, std::memory_order_relaxed);
   if (pending_fault_ != 0) {
     const std::uint32_t code = pending_fault_;
     pending_fault_ = 0;
