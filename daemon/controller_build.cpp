@@ -10,6 +10,7 @@
 #include "io/null_backend.hpp"
 #include "programs/programs.hpp"
 #include "scan/error.hpp"
+#include "scan/statistics.hpp"
 
 namespace stationd {
 namespace {
@@ -188,8 +189,10 @@ void Controller::build_bus() {
 bus::TaskFigures Controller::figures_of(const Task& task) {
   bus::TaskFigures figures;
   figures.period_ns = task.options().period_ns;
-  figures.lateness_p99_ns = task.figures().lateness.quantile_ns(0.99);
-  figures.lateness_max_ns = task.figures().lateness.max_ns();
+  HistogramReader lateness(task.figures().lateness);
+  lateness.collect(0);
+  figures.lateness_p99_ns = lateness.summary(Window::since_start).p99_ns;
+  figures.lateness_max_ns = lateness.summary(Window::since_start).max_ns;
   const std::lock_guard lock(realtime_mutex_);
   figures.realtime = realtime_;
   return figures;

@@ -1,39 +1,25 @@
 #include "scan/histogram.hpp"
 
-#include <algorithm>
-
 namespace stationd {
 
-std::size_t Histogram::index(std::int64_t value_ns) noexcept {
-  const auto v = static_cast<std::uint64_t>(value_ns);
-  if (v < kSub) return static_cast<std::size_t>(v);
-  const int top = static_cast<int>(std::bit_width(v)) - 1;  // at least kSubBits
-  if (top >= kMaxBits) return kBuckets - 1;
-  const int shift = top - kSubBits;
-  const std::uint64_t sub = (v >> shift) - kSub;
-  return static_cast<std::size_t>(kSub * (static_cast<std::uint64_t>(shift) + 1) + sub);
+bool Histogram::read(Reading& reading) const noexcept {
+  for (int i = 0; i < kReadTries; ++i)
+    if (read_once(reading)) return true;
+  return false;
 }
 
-std::int64_t Histogram::upper_ns(std::size_t index) noexcept {
-  const std::uint64_t i = index;
-  if (i < kSub) return static_cast<std::int64_t>(i);
-  const std::uint64_t shift = i / kSub - 1;
-  const std::uint64_t low = (i % kSub + kSub) << shift;
-  return static_cast<std::int64_t>(low + ((std::uint64_t{1} << shift) - 1));
-}
-
-std::int64_t Histogram::quantile_ns(double quantile) const noexcept {
-  std::uint64_t total = 0;  // from the buckets themselves: count_ may be ahead of them
-  for (const auto& bucket : buckets_) total += bucket.load(std::memory_order_acquire);
-  if (total == 0) return 0;
-  const double wanted = std::clamp(quantile, 0.0, 1.0) * static_cast<double>(total);
-  std::uint64_t seen = 0;
-  for (std::size_t i = 0; i < kBuckets; ++i) {
-    seen += buckets_[i].load(std::memory_order_acquire);
-    if (seen != 0 && static_cast<double>(seen) >= wanted)
-      return i + 1 == kBuckets ? max_ns() : std::min(upper_ns(i), max_ns());
-  }
-  return max_ns();
+/// Every load acquires: if it took what a later record wrote, the look at begun_ behind it sees that record.
+bool Histogram::read_once(Reading& reading) const noexcept {
+  reading.count = done_.load(std::memory_order_acquire);
+  reading.sum_ns = sum_ns_.load(std::memory_order_acquire);
+  reading.max_ns = max_ns_.load(std::memory_order_acquire);
+  reading.min_ns = min_ns_.load(std::memory_order_acquire);
+  if (reading.min_ns > reading.max_ns) reading.min_ns = reading.max_ns;  // nothing yet, or the very first
+  reading.first = Buckets::index(reading.min_ns);
+  reading.last = Buckets::index(reading.max_ns);
+  for (std::size_t i = reading.first; i <= reading.last; ++i)
+    reading.buckets[i] = buckets_[i].load(std::memory_order_acquire);
+  return begun_.load(std::memory_order_relaxed) == reading.count;
 }
 
 }  // namespace stationd
