@@ -26,9 +26,11 @@ std::string code_with_name(std::uint32_t code);
 /// A station as the bridge sees it.
 struct BridgedEntry {
   explicit BridgedEntry(BridgedStation bridged)
-      : station(bridged.station), figures(std::move(bridged.figures)) {}
+      : station(bridged.station), figures(std::move(bridged.figures)),
+        histogram(std::move(bridged.histogram)) {}
   Station* const station;
   const std::function<TaskFigures()> figures;
+  const std::function<std::vector<BucketCount>(Figure, Window)> histogram;
   std::mutex mutex;                     // for the following two; bus-in and bus-out
   std::optional<Status> status;         // the newest, published or not
   std::map<TagIndex, Slot> parameters;  // set by Start since the daemon started

@@ -30,6 +30,7 @@ void Bus::stop() noexcept {
 bool Bus::write(const Set& sample) { return impl_->writers.write(TopicId::set, &sample); }
 bool Bus::write(const End& sample) { return impl_->writers.write(TopicId::end, &sample); }
 bool Bus::write(const Status& sample) { return impl_->writers.write(TopicId::status, &sample); }
+bool Bus::write(const ScanStats& sample) { return impl_->writers.write(TopicId::stats, &sample); }
 bool Bus::write(const Gse& sample) { return impl_->writers.write(TopicId::gse, &sample); }
 bool Bus::write_start(const MsgReq& sample) { return impl_->writers.write(TopicId::start, &sample); }
 bool Bus::write_stop(const MsgReq& sample) { return impl_->writers.write(TopicId::stop, &sample); }

@@ -40,6 +40,7 @@ struct Handlers {
   std::function<void(const Set&, const Origin&)> on_set;
   std::function<void(const End&, const Origin&)> on_end;
   std::function<void(const Status&, const Origin&)> on_status;
+  std::function<void(const ScanStats&, const Origin&)> on_stats;
   std::function<void(const Gse&, const Origin&)> on_gse;
   std::function<void(const MsgReq&, const Origin&)> on_start;
   std::function<void(const MsgReq&, const Origin&)> on_stop;
@@ -52,7 +53,8 @@ struct Handlers {
   std::function<void(const std::string& topic, int alive, int change)> on_liveliness;
   /// Topic name, policy name: a peer is not compatible.
   std::function<void(const std::string& topic, const std::string& policy)> on_incompatible;
-  std::vector<std::string> stations;  ///< for on_set/on_end/on_status: content filter by STATION; empty: all
+  /// for on_set, on_end, on_status, on_stats: content filter by STATION; empty: all
+  std::vector<std::string> stations;
   /// for orders, requests, replies: content filter by DEST_STATION; empty: all
   std::vector<std::string> names;
 };
@@ -89,6 +91,7 @@ class Bus {
   bool write(const Set& sample);
   bool write(const End& sample);
   bool write(const Status& sample);
+  bool write(const ScanStats& sample);
   bool write(const Gse& sample);
   bool write_start(const MsgReq& sample);
   bool write_stop(const MsgReq& sample);

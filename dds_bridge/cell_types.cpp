@@ -117,6 +117,67 @@ constexpr std::array status_members = {
 };
 constexpr std::array<std::size_t, 1> status_released = {status_members.size()};
 
+constexpr std::array stats_plain = {
+    key("STATION", offsetof(ScanStats, STATION)),
+    text("TASK", offsetof(ScanStats, TASK), kNameBound),
+    number("TASK_STATIONS", Kind::uint32, offsetof(ScanStats, TASK_STATIONS)),
+    number("PERIOD_NS", Kind::int64, offsetof(ScanStats, PERIOD_NS)),
+    number("SCANS", Kind::uint64, offsetof(ScanStats, SCANS)),
+    number("DEADLINE_MISSES", Kind::uint64, offsetof(ScanStats, DEADLINE_MISSES)),
+    number("SKIPPED", Kind::uint64, offsetof(ScanStats, SKIPPED)),
+    number("MINUTE_SCANS", Kind::uint64, offsetof(ScanStats, MINUTE_SCANS)),
+    number("MINUTE_DEADLINE_MISSES", Kind::uint64, offsetof(ScanStats, MINUTE_DEADLINE_MISSES)),
+    number("MINUTE_SKIPPED", Kind::uint64, offsetof(ScanStats, MINUTE_SKIPPED)),
+    number("SOURCE_TIME", Kind::int64, offsetof(ScanStats, SOURCE_TIME)),
+};
+constexpr std::array summary_members = {
+    number("COUNT", Kind::uint64, offsetof(Summary, count)),
+    number("MIN_NS", Kind::int64, offsetof(Summary, min_ns)),
+    number("MEAN_NS", Kind::int64, offsetof(Summary, mean_ns)),
+    number("P50_NS", Kind::int64, offsetof(Summary, p50_ns)),
+    number("P99_NS", Kind::int64, offsetof(Summary, p99_ns)),
+    number("P999_NS", Kind::int64, offsetof(Summary, p999_ns)),
+    number("MAX_NS", Kind::int64, offsetof(Summary, max_ns)),
+};
+/// In the order of Window and Figure.
+constexpr std::array<std::string_view, kWindows* kFigures> stats_groups = {
+    "LATENESS",
+    "EXECUTION",
+    "RESPONSE",
+    "TASK_EXECUTION",
+    "TASK_RESPONSE",
+    "LATCH",
+    "EXECUTE",
+    "COMMIT",
+    "PUBLISH",
+    "SERVICE",
+    "MINUTE_LATENESS",
+    "MINUTE_EXECUTION",
+    "MINUTE_RESPONSE",
+    "MINUTE_TASK_EXECUTION",
+    "MINUTE_TASK_RESPONSE",
+    "MINUTE_LATCH",
+    "MINUTE_EXECUTE",
+    "MINUTE_COMMIT",
+    "MINUTE_PUBLISH",
+    "MINUTE_SERVICE",
+};
+constexpr auto stats_members = [] {
+  std::array<Member, stats_plain.size() + stats_groups.size() * summary_members.size()> all{};
+  std::size_t n = 0;
+  for (const Member& member : stats_plain) all[n++] = member;
+  for (std::size_t group = 0; group < stats_groups.size(); ++group) {
+    for (Member member : summary_members) {
+      member.offset += offsetof(ScanStats, FIGURES) + group * sizeof(Summary);
+      member.group = stats_groups[group];
+      member.group_type = "Scan_Figure";
+      all[n++] = member;
+    }
+  }
+  return all;
+}();
+constexpr std::array<std::size_t, 1> stats_released = {stats_members.size()};
+
 }  // namespace
 
 template <> const TypeTable& table_of<Set>() noexcept {
@@ -143,6 +204,10 @@ template <> const TypeTable& table_of<Status>() noexcept {
   static const TypeTable type = table<Status>("PV_Status", status_members, status_released, 0);
   return type;
 }
+template <> const TypeTable& table_of<ScanStats>() noexcept {
+  static const TypeTable type = table<ScanStats>("PV_ScanStats", stats_members, stats_released, 0);
+  return type;
+}
 
 std::span<const TopicInfo> topics() noexcept {
   static const std::array<TopicInfo, kTopics> all = {{
@@ -154,6 +219,7 @@ std::span<const TopicInfo> topics() noexcept {
       {TopicId::stop, "Stop", &table_of<MsgReq>(), Service::rnr, "DEST_STATION"},
       {TopicId::request, "Msg_Req", &table_of<MsgReq>(), Service::rr, "DEST_STATION"},
       {TopicId::reply, "Msg_Res", &table_of<MsgRes>(), Service::rr, "DEST_STATION"},
+      {TopicId::stats, "ScanStats", &table_of<ScanStats>(), Service::diagnostic, "STATION"},
   }};
   return all;
 }
@@ -175,12 +241,12 @@ std::string cell_idl() {
   for (const TopicInfo& info : topics()) {
     idl.append("//   ")
         .append(info.name)
-        .append(8 - info.name.size(), ' ')
+        .append(10 - info.name.size(), ' ')
         .append(info.type->name)
         .append("\n");
   }
   for (const TypeTable* type : {&table_of<Set>(), &table_of<End>(), &table_of<Gse>(), &table_of<MsgReq>(),
-                                &table_of<MsgRes>(), &table_of<Status>()}) {
+                                &table_of<MsgRes>(), &table_of<Status>(), &table_of<ScanStats>()}) {
     idl.append("\n").append(idl_of(*type));
   }
   return idl;

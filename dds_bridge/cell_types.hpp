@@ -12,11 +12,12 @@
 
 namespace stationd::bus {
 
-/// The paper's services (Table 1), with its QoS in Table 2.
-enum class Service : std::uint8_t { pv, ase, rnr, rr };
+/// The paper's services (Table 1), with its QoS in Table 2; and `diagnostic`: the runtime's own PVs, of the
+/// lowest priority and without a Deadline: nobody acts on them.
+enum class Service : std::uint8_t { pv, ase, rnr, rr, diagnostic };
 
-enum class TopicId : std::uint8_t { set, end, status, gse, start, stop, request, reply };
-inline constexpr std::size_t kTopics = 8;
+enum class TopicId : std::uint8_t { set, end, status, gse, start, stop, request, reply, stats };
+inline constexpr std::size_t kTopics = 9;
 
 struct TopicInfo {
   TopicId id;
@@ -39,6 +40,7 @@ template <> const TypeTable& table_of<Status>() noexcept;
 template <> const TypeTable& table_of<Gse>() noexcept;
 template <> const TypeTable& table_of<MsgReq>() noexcept;
 template <> const TypeTable& table_of<MsgRes>() noexcept;
+template <> const TypeTable& table_of<ScanStats>() noexcept;
 
 /// Longest texts in bytes: keys and names, free text, bodies on the wire (the configuration's limit is
 /// lower).

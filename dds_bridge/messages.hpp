@@ -3,8 +3,11 @@
 // Any thread but a scan thread (they allocate).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+
+#include "scan/figures.hpp"
 
 namespace stationd::bus {
 
@@ -81,6 +84,24 @@ struct Status {
   std::int64_t LATENESS_MAX_NS = 0;
   std::string REALTIME;          ///< what was granted and refused, for people
   std::int64_t SOURCE_TIME = 0;  ///< UTC nanoseconds
+};
+
+/// Topic `ScanStats`, type PV_ScanStats (key STATION): how a station's scans keep their time. Counters are
+/// those of its task, since start and for the last minute.
+struct ScanStats {
+  std::string STATION;
+  std::string TASK;
+  std::uint32_t TASK_STATIONS = 0;  ///< in that task
+  std::int64_t PERIOD_NS = 0;
+  std::uint64_t SCANS = 0;
+  std::uint64_t DEADLINE_MISSES = 0;
+  std::uint64_t SKIPPED = 0;
+  std::uint64_t MINUTE_SCANS = 0;
+  std::uint64_t MINUTE_DEADLINE_MISSES = 0;
+  std::uint64_t MINUTE_SKIPPED = 0;
+  std::int64_t SOURCE_TIME = 0;  ///< UTC nanoseconds
+  /// By Window and Figure. On the wire one member each: LATENESS, EXECUTION, ..., MINUTE_LATENESS, ...
+  std::array<std::array<Summary, kFigures>, kWindows> FIGURES{};
 };
 
 }  // namespace stationd::bus

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "dds_bridge/histogram_body.hpp"
 #include "dds_bridge/values.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
@@ -40,6 +41,9 @@ std::optional<std::uint32_t> code_number(std::string_view text) {
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return number;
 }
+
+constexpr const char* kVerbs =
+    "say status, describe CODE, get TAG, reset, params or histogram FIGURE [last_minute]";
 
 const char* name_of(Order order) {
   switch (order) {
@@ -130,12 +134,13 @@ void Orders::on_request(const MsgReq& request, const Origin& origin) {
 
 Orders::Answer Orders::answer(BridgedEntry& entry, const Body& body, const Origin& origin) {
   if (!body.pairs.empty()) return {"a request has no " + body.pairs[0].first + "=", code::body_invalid};
-  if (body.words.empty()) return {"say status, describe CODE, get TAG, reset or params", code::unknown_verb};
+  if (body.words.empty()) return {kVerbs, code::unknown_verb};
   const std::string& verb = body.words[0];
   const std::size_t arguments = body.words.size() - 1;
+  if (verb == "histogram") return histogram(entry, body);
   const bool takes_one = verb == "describe" || verb == "get";
   if (!takes_one && verb != "status" && verb != "reset" && verb != "params") {
-    return {verb + ": not a verb; say status, describe CODE, get TAG, reset or params", code::unknown_verb};
+    return {verb + ": not a verb; " + kVerbs, code::unknown_verb};
   }
   if (arguments != (takes_one ? 1U : 0U)) {
     return {verb + (takes_one ? " takes one argument" : " takes no argument"), code::body_invalid};
@@ -215,6 +220,27 @@ Orders::Answer Orders::params(BridgedEntry& entry) {
     text += spec.name + "=" + format_value(spec.type, value) + (range.empty() ? "" : " (" + range + ")");
   }
   return {text.empty() ? "no parameters" : std::move(text)};
+}
+
+Orders::Answer Orders::histogram(BridgedEntry& entry, const Body& body) {
+  const std::vector<std::string>& words = body.words;
+  const bool window_known = words.size() == 3 && (words[2] == stationd::name_of(Window::last_minute) ||
+                                                  words[2] == stationd::name_of(Window::since_start));
+  if (words.size() != 2 && !window_known)
+    return {"histogram takes a figure, and last_minute if it is meant", code::body_invalid};
+  const std::optional<Figure> figure = find_figure(words[1]);
+  if (!figure) {
+    std::string known;
+    for (std::size_t i = 0; i < kFigures; ++i)
+      known.append(i == 0 ? "" : ", ").append(stationd::name_of(static_cast<Figure>(i)));
+    return {"there is no figure " + words[1] + "; there are " + known, code::value_invalid};
+  }
+  if (!entry.histogram) return {"the station keeps no statistics", code::busy};
+  const bool minute = window_known && words[2] == stationd::name_of(Window::last_minute);
+  HistogramBody said{*figure, minute ? Window::last_minute : Window::since_start, 1, {}};
+  said.buckets = entry.histogram(said.figure, said.window);
+  const std::size_t room = context_.bus.options().max_body_bytes - reply_prefix(body).size();
+  return {histogram_text(std::move(said), room)};
 }
 
 }  // namespace stationd::bus

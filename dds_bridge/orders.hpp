@@ -18,7 +18,7 @@ class Orders {
   void on_stop(const MsgReq& order, const Origin& origin);
   /// Body: `parameter=value` pairs, all checked before the scan gets them. Full ring: counted and logged.
   void on_start(const MsgReq& order, const Origin& origin);
-  /// Body: a verb: status, describe CODE, get TAG, reset, params. Every one is answered.
+  /// Body: a verb: status, describe CODE, get TAG, reset, params, histogram FIGURE. Every one is answered.
   void on_request(const MsgReq& request, const Origin& origin);
 
  private:
@@ -37,6 +37,7 @@ class Orders {
   static Answer status(BridgedEntry& entry);
   static Answer describe(const Body& body);
   static Answer params(BridgedEntry& entry);
+  Answer histogram(BridgedEntry& entry, const Body& body);
 
   Context& context_;
 };

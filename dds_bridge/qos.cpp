@@ -28,6 +28,7 @@ std::uint32_t transport_priority(Service service) {
     case Service::pv: return 30;
     case Service::rnr: return 20;
     case Service::rr: return 10;
+    case Service::diagnostic: return 0;
   }
   return 0;
 }
@@ -40,6 +41,7 @@ template <class Qos> void apply_common(Qos& qos, Service service, const Options&
   limits.allocated_samples = kPreallocated;
   switch (service) {
     case Service::pv:
+    case Service::diagnostic:
       qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
       qos.durability().kind = dds::VOLATILE_DURABILITY_QOS;
       qos.history().kind = dds::KEEP_LAST_HISTORY_QOS;

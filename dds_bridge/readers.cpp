@@ -43,6 +43,7 @@ Readers::Readers(Participant& participant, Writers& writers, Handlers handlers)
     make(TopicId::set, bool(handlers_.on_set), handlers_.stations);
     make(TopicId::end, bool(handlers_.on_end), handlers_.stations);
     make(TopicId::status, bool(handlers_.on_status), handlers_.stations);
+    make(TopicId::stats, bool(handlers_.on_stats), handlers_.stations);
     make(TopicId::request, bool(handlers_.on_request), handlers_.names);
     make(TopicId::reply, bool(handlers_.on_reply), handlers_.names);
     waits_.attach_condition(end_);
@@ -132,6 +133,7 @@ bool Readers::round() {
   any |= take_some<Set>(TopicId::set, handlers_.on_set);
   any |= take_some<End>(TopicId::end, handlers_.on_end);
   any |= take_some<Status>(TopicId::status, handlers_.on_status);
+  any |= take_some<ScanStats>(TopicId::stats, handlers_.on_stats);
   any |= drain_orders();
   any |= take_some<MsgReq>(TopicId::request, handlers_.on_request);
   any |= drain_orders();

@@ -176,7 +176,7 @@ StationBridge::StationBridge(Bus& bus, BridgeOptions options, std::vector<Bridge
   }
   impl_->out = std::make_unique<BusOut>(impl_->context, impl_->events);
   std::vector<std::string> topics = impl_->out->topics();
-  for (const char* topic : {"Status", "GSE", "Msg_Res"}) topics.emplace_back(topic);
+  for (const char* topic : {"Status", "ScanStats", "GSE", "Msg_Res"}) topics.emplace_back(topic);
   bus.prepare_writers(topics);
 }
 
@@ -208,6 +208,12 @@ void StationBridge::stop() noexcept {
 std::string StationBridge::duplicate_station() const {
   const std::lock_guard lock(impl_->duplicate_mutex);
   return impl_->duplicate;
+}
+
+int StationBridge::stats_readers() const { return impl_->context.bus.matched_readers("ScanStats"); }
+
+void StationBridge::publish(const ScanStats& stats) {
+  if (!impl_->context.quiet() && !impl_->context.closed.load()) impl_->context.bus.write(stats);
 }
 
 BridgeFigures StationBridge::figures() const noexcept {

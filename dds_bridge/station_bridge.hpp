@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "dds_bridge/bus.hpp"
+#include "scan/figures.hpp"
 #include "scan/station.hpp"
 
 namespace stationd::bus {
@@ -25,6 +26,8 @@ struct TaskFigures {
 struct BridgedStation {
   Station* station = nullptr;
   std::function<TaskFigures()> figures;
+  /// The buckets of one of its figures, for whoever asks (`histogram FIGURE`); bus-in thread. May be unset.
+  std::function<std::vector<BucketCount>(Figure, Window)> histogram = {};
 };
 
 struct BridgeOptions {
@@ -71,6 +74,9 @@ class StationBridge {
   /// The station that another daemon in the cell runs as well, found while this one was new: give up, with a
   /// message and an exit status. The bridge publishes nothing more. Empty: none. Any thread.
   std::string duplicate_station() const;
+  /// Any plain thread. Who listens to ScanStats, and what they are told; nothing while Status is not, either.
+  int stats_readers() const;
+  void publish(const ScanStats& stats);
   BridgeFigures figures() const noexcept;
 
  private:

@@ -151,6 +151,26 @@ const char* idl_name(Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
+std::string enumeration_idl(const Member& member) {
+  std::string idl("enum ");
+  idl.append(member.enum_name).append(" {");
+  for (std::size_t i = 0; i < member.enumerators.size(); ++i)
+    idl.append(i == 0 ? " " : ", ").append(member.enumerators[i]);
+  return idl + " };\n";
+}
+
+std::string member_idl(const Member& member) {
+  std::string idl(member.key ? "  @key " : "  ");
+  if (member.kind == Kind::enumeration)
+    idl += member.enum_name;
+  else
+    idl += idl_name(member.kind);
+  // Only keys are bounded in the IDL: other generators need to know the key's longest, and the wire does
+  // not differ.
+  if (member.kind == Kind::text && member.key) idl += "<" + std::to_string(member.bound) + ">";
+  return idl.append(" ").append(member.name).append(";\n");
+}
+
 }  // namespace
 
 std::size_t size_of(Kind kind) noexcept {
@@ -287,27 +307,26 @@ bool key_hash(const TypeTable& table, const void* object, bool force_md5, KeyHas
 std::string idl_of(const TypeTable& table) {
   std::string idl;
   for (const Member& member : table.members) {
-    if (member.kind != Kind::enumeration) continue;
-    idl.append("enum ").append(member.enum_name).append(" {");
-    for (std::size_t i = 0; i < member.enumerators.size(); ++i) {
-      idl.append(i == 0 ? " " : ", ").append(member.enumerators[i]);
-    }
-    idl += " };\n";
+    if (member.kind == Kind::enumeration) idl += enumeration_idl(member);
+  }
+  if (const auto first = std::ranges::find_if(table.members, [](auto& m) { return !m.group.empty(); });
+      first != table.members.end()) {
+    idl.append("@final struct ").append(first->group_type).append(" {\n");
+    for (const Member& member : table.members)
+      if (member.group == first->group) idl += member_idl(member);
+    idl += "};\n\n";
   }
   idl.append("@final struct ").append(table.name).append(" {\n");
+  std::string_view group;
   for (std::size_t i = 0; i < table.members.size(); ++i) {
     const Member& member = table.members[i];
     if (table.paper_members != 0 && i == table.paper_members)
       idl += "  // appended to the paper's Table 4:\n";
-    idl += member.key ? "  @key " : "  ";
-    if (member.kind == Kind::enumeration)
-      idl += member.enum_name;
-    else
-      idl += idl_name(member.kind);
-    // Only keys are bounded in the IDL: other generators need to know the key's longest, and the wire does
-    // not differ.
-    if (member.kind == Kind::text && member.key) idl += "<" + std::to_string(member.bound) + ">";
-    idl.append(" ").append(member.name).append(";\n");
+    if (member.group.empty())
+      idl += member_idl(member);
+    else if (member.group != group)
+      idl.append("  ").append(member.group_type).append(" ").append(member.group).append(";\n");
+    group = member.group;
   }
   return idl + "};\n";
 }

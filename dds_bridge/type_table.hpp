@@ -43,6 +43,10 @@ struct Member {
   bool utf8 = true;         ///< text: a sample with other bytes is malformed
   std::string_view enum_name = {};
   std::span<const std::string_view> enumerators = {};  ///< of values 0, 1, ...
+  /// Members in a row with the same group are one member of that name in the IDL, a struct of type
+  /// `group_type` (on the wire that is the same). Each group of a type has the members of the first.
+  std::string_view group = {};
+  std::string_view group_type = {};
 };
 
 struct TypeTable {

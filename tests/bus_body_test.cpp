@@ -7,6 +7,7 @@
 
 #include "dds_bridge/body.hpp"
 #include "dds_bridge/duplicate.hpp"
+#include "dds_bridge/histogram_body.hpp"
 #include "dds_bridge/throttle.hpp"
 #include "dds_bridge/type_table.hpp"
 #include "dds_bridge/values.hpp"
@@ -25,6 +26,55 @@ TEST_CASE("body when well formed then gives verb, arguments, pairs and addresses
   CHECK(body.from == "desk");
   CHECK(body.id == "17");
   CHECK(reply_prefix(body) == "id=17 ");
+}
+
+std::uint64_t total(const HistogramBody& body) {
+  std::uint64_t sum = 0;
+  for (const BucketCount& b : body.buckets) sum += b.count;
+  return sum;
+}
+
+TEST_CASE("histogram when written and read then is the same [SCAN-6]") {
+  const HistogramBody said{Figure::response, Window::last_minute, 1, {{3, 7}, {1'000, 2}, {2'112, 1}}};
+  const std::string text = histogram_text(said, kMax);
+  CHECK(text == "figure=response window=last_minute merged=1 3:7 1000:2 2112:1");
+  const auto heard = parse_histogram(text);
+  REQUIRE(heard.has_value());
+  CHECK(heard->figure == Figure::response);
+  CHECK(heard->window == Window::last_minute);
+  CHECK(total(*heard) == 10);
+  CHECK(heard->buckets[1].bucket == 1'000);
+  CHECK(heard->low_ns(3) == 3);
+  CHECK(heard->end_ns(3) == 4);
+  CHECK(heard->end_ns(2'112) == INT64_MAX);
+}
+
+TEST_CASE("histogram when too long for a body then gets coarser and keeps every count [SCAN-6]") {
+  HistogramBody full;
+  for (std::size_t i = 0; i < Buckets::kCount; ++i) full.buckets.push_back({i, UINT64_MAX / 10'000});
+  for (const std::size_t limit : {std::size_t{128}, std::size_t{1'024}, kMax, 2 * kMax}) {
+    const std::string text = histogram_text(full, limit);
+    CHECK(text.size() <= limit);
+    const auto heard = parse_histogram(text);
+    REQUIRE(heard.has_value());
+    CHECK(total(*heard) == total(full));
+    CHECK(heard->end_ns(heard->buckets.back().bucket) == INT64_MAX);
+    const bool apart = heard->low_ns(heard->buckets.back().bucket) == Buckets::low_ns(Buckets::kOverflow);
+    CHECK(apart == (limit > 128));
+    CHECK(heard->low_ns(0) == 0);
+  }
+}
+
+TEST_CASE("histogram when it is not one then is refused, and a newer release's word is not") {
+  for (const char* text :
+       {"", "done", "figure=speed", "figure=execute window=hour", "figure=execute merged=0",
+        "figure=execute merged=5000", "figure=execute 5:", "figure=execute :5", "figure=execute 9999:1",
+        "figure=execute 5:1 5:1", "figure=execute 5:-1", "figure=execute merged=64 34:1",
+        "figure=execute 18446744073709551615:1"})
+    CHECK_MESSAGE(!parse_histogram(text).has_value(), text);
+  const auto newer = parse_histogram("figure=execute merged=2 unit=ns hello 5:1");
+  REQUIRE(newer.has_value());
+  CHECK(newer->low_ns(newer->buckets[0].bucket) == 10);
 }
 
 TEST_CASE("body when empty then is well formed and says nothing") {

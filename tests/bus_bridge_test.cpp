@@ -79,6 +79,39 @@ TEST_CASE("station when asked then answers each verb with the id it was given [R
   CHECK(reset.BODY.find("id=3 refused: ST1302") == 0);
 }
 
+TEST_CASE("statistics when published then reach who listens [SCAN-6]") {
+  Controller controller("robot");
+  Desk desk;
+  REQUIRE(eventually([&] { return controller.bridge.stats_readers() == 1; }));
+  ScanStats stats;
+  stats.STATION = "robot";
+  stats.SCANS = 77;
+  stats.FIGURES[1][9].max_ns = 5'000'000'000;
+  REQUIRE(eventually([&] {
+    controller.bridge.publish(stats);
+    return desk.stats.size() > 0;
+  }));
+  CHECK(desk.stats.all()[0].STATION == "robot");
+  CHECK(desk.stats.all()[0].SCANS == 77);
+  CHECK(desk.stats.all()[0].FIGURES[1][9].max_ns == 5'000'000'000);
+}
+
+TEST_CASE("station when asked for a histogram then answers with its buckets [SCAN-6]") {
+  Controller controller("robot");
+  Desk desk;
+  REQUIRE(desk.reaches());
+  REQUIRE(desk.sees(StationState::STOPPED));
+  CHECK(desk.ask("histogram response from=desk id=4").BODY ==
+        "id=4 figure=response window=since_start merged=1 2:500");
+  CHECK(desk.ask("histogram execute last_minute from=desk").BODY ==
+        "figure=execute window=last_minute merged=1 6:7");
+  CHECK(desk.ask("histogram from=desk").STATUS == code::body_invalid);
+  CHECK(desk.ask("histogram execute today from=desk").STATUS == code::body_invalid);
+  const MsgRes unknown = desk.ask("histogram speed from=desk");
+  CHECK(unknown.STATUS == code::value_invalid);
+  CHECK(unknown.BODY.find("there are lateness, execution, response, ") != std::string::npos);
+}
+
 TEST_CASE("station when in FAULT then is reset over the bus and shows changed parameters [REQ-3]") {
   Controller controller("robot");
   Desk desk;

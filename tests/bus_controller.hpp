@@ -29,6 +29,10 @@ struct Controller {
                {{&scanned.station(),
                  [period_ns] {
                    return TaskFigures{period_ns, 1, 2, "none"};
+                 },
+                 [](Figure figure, Window window) {
+                   const std::size_t count = window == Window::since_start ? 500 : 7;
+                   return std::vector<BucketCount>{{static_cast<std::size_t>(figure), count}};
                  }}},
                [this](int, const std::string& text) { log.put(text); }) {
     bridge.start();
@@ -57,6 +61,7 @@ struct Desk {
     handlers.on_set = [this](const Set& m, const Origin&) { sets.put(m); };
     handlers.on_end = [this](const End& m, const Origin&) { ends.put(m); };
     handlers.on_status = [this](const Status& m, const Origin&) { states.put(m); };
+    handlers.on_stats = [this](const ScanStats& m, const Origin&) { stats.put(m); };
     handlers.on_gse = [this](const Gse& m, const Origin&) { events.put(m); };
     handlers.on_reply = [this](const MsgRes& m, const Origin&, const Origin&) { replies.put(m); };
     bus.start(handlers);
@@ -87,6 +92,7 @@ struct Desk {
   Inbox<Set> sets;
   Inbox<End> ends;
   Inbox<Status> states;
+  Inbox<ScanStats> stats;
   Inbox<Gse> events;
   Inbox<MsgRes> replies;
   Bus bus;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstring>
 #include <fstream>
 #include <random>
@@ -127,6 +128,35 @@ TEST_CASE("status when encoded and decoded then is the same") {
   CHECK(back.REALTIME == status.REALTIME);
   CHECK(back.SCANS == status.SCANS);
   CHECK(back.SOURCE_TIME == status.SOURCE_TIME);
+}
+
+TEST_CASE("statistics when encoded and decoded then are the same, each figure in its place [SCAN-6]") {
+  ScanStats stats;
+  stats.STATION = "robot";
+  stats.TASK = "main";
+  stats.TASK_STATIONS = 2;
+  stats.MINUTE_SKIPPED = 3;
+  std::int64_t n = 1'000;
+  for (auto& window : stats.FIGURES) {
+    for (Summary& s : window) {
+      s.count = static_cast<std::uint64_t>(n++);
+      for (std::int64_t* ns : {&s.min_ns, &s.mean_ns, &s.p50_ns, &s.p99_ns, &s.p999_ns, &s.max_ns}) *ns = n++;
+    }
+  }
+  const Bytes bytes = encoded(stats);
+  CHECK(bytes.size() < 1'400);  // one packet of an Ethernet
+  ScanStats back;
+  REQUIRE(decoded(bytes, back));
+  CHECK(encoded(back) == bytes);
+  CHECK(back.FIGURES[1][static_cast<std::size_t>(Figure::service)].max_ns == n - 1);
+  const std::span<const Member> members = table_of<ScanStats>().members;
+  for (std::size_t w = 0; w < kWindows; ++w) {
+    for (std::size_t f = 0; f < kFigures; ++f) {
+      std::string name(w == 0 ? "" : "MINUTE_");
+      for (const char c : name_of(static_cast<Figure>(f))) name += static_cast<char>(std::toupper(c));
+      CHECK(members[11 + (w * kFigures + f) * 7].group == name);
+    }
+  }
 }
 
 TEST_CASE("set when it ends after Table 4 then is read with defaults [PV-5]") {

@@ -188,6 +188,7 @@ TEST_CASE("endpoints when read back then have the QoS of Table 2 [PV-1, ASE-2, R
   handlers.on_set = [](const Set&, const Origin&) {};
   handlers.on_end = [](const End&, const Origin&) {};
   handlers.on_status = [](const Status&, const Origin&) {};
+  handlers.on_stats = [](const ScanStats&, const Origin&) {};
   handlers.on_gse = [](const Gse&, const Origin&) {};
   handlers.on_start = handlers.on_stop = handlers.on_request = [](const MsgReq&, const Origin&) {};
   handlers.on_reply = [](const MsgRes&, const Origin&, const Origin&) {};
@@ -202,14 +203,16 @@ TEST_CASE("endpoints when read back then have the QoS of Table 2 [PV-1, ASE-2, R
     CAPTURE(is.writer);
     const Service service = find_topic(is.topic)->service;
     const bool pv = service == Service::pv, ase = service == Service::ase;
-    CHECK(is.reliable == !pv);
+    const bool best_effort = pv || service == Service::diagnostic;
+    CHECK(is.reliable == !best_effort);
     CHECK(is.transient_local == ase);
     CHECK(is.keep_all == ase);
-    CHECK(is.depth == (pv ? 1 : ase ? 4096 : 256));
+    CHECK(is.depth == (best_effort ? 1 : ase ? 4096 : 256));
     CHECK(is.deadline_ns == (pv && is.writer ? 700'000'000 : INT64_MAX));
     CHECK(is.lease_ns == (pv && is.writer ? 300'000'000 : INT64_MAX));
     CHECK(is.latency_budget_ns == (is.writer ? 0 : pv ? 10'000'000 : ase ? 1'000'000 : 0));
-    const std::uint32_t priority = ase ? 40 : pv ? 30 : service == Service::rnr ? 20 : 10;
+    const std::uint32_t below = service == Service::rnr ? 20 : service == Service::rr ? 10 : 0;
+    const std::uint32_t priority = ase ? 40 : pv ? 30 : below;
     CHECK(is.transport_priority == (is.writer ? priority : 0));
   }
 }
