@@ -11,6 +11,7 @@ namespace stationd {
 namespace {
 
 constexpr std::int64_t kScanEndLimitNs = 500'000'000;
+constexpr std::int64_t kStatisticsEveryNs = 1'000'000'000;
 constexpr std::int64_t kReportLimitNs = 2'000'000'000;  // past any line's turn
 
 std::string join(const std::vector<RtGrant>& grants) {
@@ -136,6 +137,19 @@ void Controller::housekeep(std::int64_t now_ns) {
   utc_offset_ns_.store(stationd::utc_offset_ns(), std::memory_order_relaxed);
   report_misses(now_ns);
   report_stuck();
+  tell_statistics(now_ns);
+}
+
+/// Once a second, and at once to who has just begun to listen; nothing is written for nobody.
+void Controller::tell_statistics(std::int64_t now_ns) {
+  const int readers = bridge_->stats_readers();
+  const bool newcomer = readers > statistics_readers_;
+  statistics_readers_ = readers;
+  if (now_ns < next_statistics_ns_ && !newcomer) return;
+  next_statistics_ns_ = now_ns + kStatisticsEveryNs;
+  statistics_.collect(now_ns);
+  if (readers == 0) return;
+  for (const bus::ScanStats& stats : statistics_.messages(now_ns + utc_offset_ns_)) bridge_->publish(stats);
 }
 
 void Controller::report_misses(std::int64_t now_ns) {

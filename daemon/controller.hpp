@@ -15,6 +15,7 @@
 #include "daemon/log.hpp"
 #include "daemon/miss_report.hpp"
 #include "daemon/retain_thread.hpp"
+#include "daemon/scan_statistics.hpp"
 #include "daemon/state_lock.hpp"
 #include "dds_bridge/station_bridge.hpp"
 #include "io/device.hpp"
@@ -61,7 +62,8 @@ class Controller {
   bool alive(std::int64_t now_ns) const;
   /// Throws AlreadyRunning when another live daemon was heard with a station of one of our names.
   void refuse_duplicate() const;
-  /// Housekeeping, a few times a second: log lines about deadline misses, UTC offset.
+  /// Housekeeping, a few times a second: log lines about deadline misses, UTC offset,
+  /// statistics.
   void housekeep(std::int64_t now_ns);
   /// "1234 scans, 0 deadline misses", for the service manager.
   std::string status_line() const;
@@ -93,6 +95,7 @@ class Controller {
   void report_misses(std::int64_t now_ns);
   void start_watchdog(std::vector<RtGrant>& grants);
   void report_stuck();
+  void tell_statistics(std::int64_t now_ns);
 
   const config::Configuration& configuration_;
   Log& log_;
@@ -109,6 +112,9 @@ class Controller {
   std::vector<std::unique_ptr<io::Device>> devices_;
   std::vector<RunningTask> tasks_;
   std::unique_ptr<RtWatchdog> watchdog_;
+  ScanStatistics statistics_;
+  std::int64_t next_statistics_ns_ = 0;
+  int statistics_readers_ = 0;
   std::unique_ptr<bus::Bus> bus_;
   std::unique_ptr<bus::StationBridge> bridge_;
 };

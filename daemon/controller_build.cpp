@@ -10,7 +10,6 @@
 #include "io/null_backend.hpp"
 #include "programs/programs.hpp"
 #include "scan/error.hpp"
-#include "scan/statistics.hpp"
 
 namespace stationd {
 namespace {
@@ -167,6 +166,7 @@ void Controller::build_tasks() {
     running.watchdog_ns = t.watchdog_ns;
     running.report = std::make_unique<MissReport>(t.name, names);
     running.task = std::make_unique<Task>(options, std::move(stations), stopwatch_);
+    statistics_.add(*running.task);
     tasks_.push_back(std::move(running));
   }
 }
@@ -176,7 +176,8 @@ void Controller::build_bus() {
   std::vector<bus::BridgedStation> bridged;
   for (RunningTask& t : tasks_)
     for (Station* s : t.task->stations())
-      bridged.push_back({s, [this, task = t.task.get()] { return figures_of(*task); }});
+      bridged.push_back({s, [this, task = t.task.get()] { return figures_of(*task); },
+                         [this, s](Figure f, Window w) { return statistics_.buckets(*s, f, w); }});
   bus::BridgeOptions options;
   options.controller = configuration_.name;
   const auto log = [this](int severity, const std::string& text) {
@@ -189,10 +190,9 @@ void Controller::build_bus() {
 bus::TaskFigures Controller::figures_of(const Task& task) {
   bus::TaskFigures figures;
   figures.period_ns = task.options().period_ns;
-  HistogramReader lateness(task.figures().lateness);
-  lateness.collect(0);
-  figures.lateness_p99_ns = lateness.summary(Window::since_start).p99_ns;
-  figures.lateness_max_ns = lateness.summary(Window::since_start).max_ns;
+  const Summary lateness = statistics_.lateness(task);
+  figures.lateness_p99_ns = lateness.p99_ns;
+  figures.lateness_max_ns = lateness.max_ns;
   const std::lock_guard lock(realtime_mutex_);
   figures.realtime = realtime_;
   return figures;
