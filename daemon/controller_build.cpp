@@ -149,11 +149,11 @@ void Controller::build_device(const io::DeviceOptions& options) {
 void Controller::build_tasks() {
   for (const config::TaskConfig& t : configuration_.tasks) {
     std::vector<Station*> stations;
-    std::string names;
+    std::vector<std::string> names;
     for (std::size_t i = 0; i < stations_.size(); ++i) {
       if (configuration_.stations[i].task != t.name) continue;
       stations.push_back(stations_[i].get());
-      names += (names.empty() ? "" : ", ") + stations_[i]->name();
+      names.push_back(stations_[i]->name());
     }
     if (stations.empty()) continue;
     TaskOptions options;

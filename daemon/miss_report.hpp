@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/log.hpp"
 #include "scan/task.hpp"
@@ -15,7 +16,7 @@ namespace stationd {
 
 class MissReport {
  public:
-  explicit MissReport(std::string task, std::string stations);
+  MissReport(std::string task, std::vector<std::string> stations);
 
   /// A record from the task's ring. The worst one (greatest response time) since the last line is the one
   /// that is shown.
@@ -30,7 +31,7 @@ class MissReport {
 
  private:
   std::string task_;
-  std::string stations_;
+  std::vector<std::string> stations_;
   std::optional<CycleRecord> worst_;
   std::uint64_t reported_ = 0;
   std::int64_t next_line_ns_ = 0;

@@ -22,6 +22,8 @@ CycleRecord late(std::uint64_t scan, std::int64_t response_ns) {
   record.execute_ns = response_ns / 2;
   record.lateness_ns = response_ns / 4;
   record.committed_late = true;
+  record.slowest = 1;
+  record.slowest_ns = 5'000'000;
   return record;
 }
 
@@ -35,25 +37,56 @@ std::string field(const MissReport::Line& line, const std::string& name) {
 }  // namespace
 
 TEST_CASE("Miss report without a miss says nothing (SCAN-4)") {
-  MissReport report("fast", "robot");
+  MissReport report("fast", {"robot"});
   CHECK_FALSE(report.due(kSecondNs, 0).has_value());
 }
 
 TEST_CASE("Miss report of one miss names task, scan, times and phase (SCAN-4)") {
-  MissReport report("fast", "loader, robot");
+  MissReport report("fast", {"loader", "robot"});
   report.add(late(41, 12'000'000));
   const auto line = report.due(5 * kSecondNs, 1);
   REQUIRE(line.has_value());
   CHECK(line->text.find("task fast (loader, robot), 1 miss ") != std::string::npos);
   CHECK(line->text.find("scan 41") != std::string::npos);
-  CHECK(line->text.find("execute 6000.0 us") != std::string::npos);
+  CHECK(line->text.find("execute took 6000.0 us (most: robot, execution 5000.0 us)") != std::string::npos);
+  CHECK(field(*line, "STATIOND_SLOWEST") == "robot");
+  CHECK(field(*line, "STATIOND_PHASE_NS") == "6000000");
   CHECK(field(*line, "STATIOND_SCAN") == "41");
   CHECK(field(*line, "STATIOND_PHASE") == "execute");
   CHECK(field(*line, "STATIOND_RESPONSE_NS") == "12000000");
 }
 
+TEST_CASE("Miss report of a late wake-up says so (SCAN-4)") {
+  MissReport report("fast", {"robot"});
+  CycleRecord record = late(7, 12'000'000);
+  record.lateness_ns = 11'000'000;
+  record.execute_ns = 900'000;
+  report.add(record);
+  const auto line = report.due(kSecondNs, 1);
+  REQUIRE(line.has_value());
+  CHECK(line->text.find("scan 7, woken late by 11000.0 us; lateness") != std::string::npos);
+  CHECK(line->text.find(" took ") == std::string::npos);
+  CHECK(field(*line, "STATIOND_PHASE") == "waking");
+}
+
+TEST_CASE("Miss report names the phase behind the commit only when the outputs were in time (SCAN-4)") {
+  for (const bool committed_late : {true, false}) {
+    CAPTURE(committed_late);
+    MissReport report("fast", {"robot"});
+    CycleRecord record = late(7, 4'000'000);
+    record.publish_ns = 9'000'000;
+    record.committed_late = committed_late;
+    record.skipped = 1;
+    report.add(record);
+    const auto line = report.due(kSecondNs, 1);
+    REQUIRE(line.has_value());
+    CHECK(field(*line, "STATIOND_PHASE") == (committed_late ? "execute" : "publish"));
+    CHECK(field(*line, "STATIOND_SKIPPED") == "1");
+  }
+}
+
 TEST_CASE("Miss report of many misses in a second is one line that counts them all (SCAN-4)") {
-  MissReport report("fast", "robot");
+  MissReport report("fast", {"robot"});
   report.add(late(1, 11'000'000));
   REQUIRE(report.due(kSecondNs, 1).has_value());
   report.add(late(2, 30'000'000));
