@@ -19,10 +19,13 @@ const std::string_view kUsage =
   stop STATION|all [--end-of-piece]
                                 stops at once, or when its piece is finished; waits for the confirmation
   msg STATION TEXT...           asks a station (or the supervisor) and prints its answer:
-                                status, describe CODE, get TAG, params, reset; supervisor: pieces, help
+                                status, describe CODE, get TAG, params, reset, histogram FIGURE;
+                                supervisor: pieces, help
   reset STATION                 acknowledges a fault whose cause is gone
   describe CODE                 what a code means, its cause and remedy; needs no station
   events [--follow] [--count N] what the stations reported; --follow goes on, --count takes the last (next) N
+  stats [STATION] [--histogram] how its scans keep their time: lateness, execution, response, each phase;
+                                for the last minute and since start; --histogram draws the first three
   help                          this text
 
 Options:
@@ -50,10 +53,11 @@ constexpr auto kCommands =
                                                          {"msg", Command::msg},
                                                          {"reset", Command::reset},
                                                          {"describe", Command::describe},
-                                                         {"events", Command::events}});
+                                                         {"events", Command::events},
+                                                         {"stats", Command::stats}});
 constexpr auto kOptions =
     std::to_array<std::string_view>({"--domain", "--cell", "--interface", "--timeout", "--json", "--version",
-                                     "--help", "--count", "--follow", "--end-of-piece"});
+                                     "--help", "--count", "--follow", "--end-of-piece", "--histogram"});
 
 class Parser {
  public:
@@ -88,6 +92,8 @@ class Parser {
       command_ = Command::version;
     } else if (name == "--follow") {
       out_.follow = true;
+    } else if (name == "--histogram") {
+      out_.histogram = true;
     } else if (name == "--end-of-piece") {
       out_.end_of_piece = true;
     } else if (name == "--domain" || name == "--cell" || name == "--interface" || name == "--timeout" ||
@@ -177,6 +183,7 @@ class Parser {
     if (out_.count && out_.command != Command::watch && out_.command != Command::events)
       return fail("--count belongs to watch and events");
     if (out_.follow && out_.command != Command::events) return fail("--follow belongs to events");
+    if (out_.histogram && out_.command != Command::stats) return fail("--histogram belongs to stats");
     if (out_.end_of_piece && out_.command != Command::stop) return fail("--end-of-piece belongs to stop");
   }
 

@@ -12,7 +12,19 @@
 
 namespace stationd::ctl {
 
-enum class Command : std::uint8_t { help, version, list, watch, start, stop, msg, reset, describe, events };
+enum class Command : std::uint8_t {
+  help,
+  version,
+  list,
+  watch,
+  start,
+  stop,
+  msg,
+  reset,
+  describe,
+  events,
+  stats
+};
 
 struct Arguments {
   int domain = 0;
@@ -25,6 +37,7 @@ struct Arguments {
   std::string text;                    ///< of msg; the key=value pairs of start
   bool end_of_piece = false;           ///< stop
   bool follow = false;                 ///< events
+  bool histogram = false;              ///< stats
   std::optional<std::uint64_t> count;  ///< watch, events
   std::string problem;                 ///< not empty: what is wrong with the command line
 };

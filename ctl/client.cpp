@@ -26,16 +26,16 @@ bus::Options bus_options(const Arguments& arguments, const std::string& name) {
 
 }  // namespace
 
-Client::Client(const Arguments& arguments, bool with_events)
+Client::Client(const Arguments& arguments, bool with_events, bool with_stats)
     : name_("stationctl-" + std::to_string(::getpid())), newest_station_ns_(monotonic_ns()),
       bus_(bus_options(arguments, name_)) {
   bus_.prepare_writers({"Start", "Stop", "Msg_Req"});
-  bus_.start(handlers(with_events));
+  bus_.start(handlers(with_events, with_stats));
 }
 
 Client::~Client() { bus_.stop(); }
 
-bus::Handlers Client::handlers(bool with_events) {
+bus::Handlers Client::handlers(bool with_events, bool with_stats) {
   bus::Handlers handlers;
   handlers.on_status = [this](const bus::Status& status, const bus::Origin& origin) {
     {
@@ -63,6 +63,15 @@ bus::Handlers Client::handlers(bool with_events) {
       {
         const std::lock_guard lock(mutex_);
         events_.push_back(gse);
+      }
+      changed_.notify_all();
+    };
+  }
+  if (with_stats) {
+    handlers.on_stats = [this](const bus::ScanStats& stats, const bus::Origin&) {
+      {
+        const std::lock_guard lock(mutex_);
+        stats_[stats.STATION] = stats;
       }
       changed_.notify_all();
     };

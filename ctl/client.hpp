@@ -27,7 +27,7 @@ using Stations = std::map<std::string, Seen>;
 class Client {
  public:
   /// Joins the bus. Throws bus::BusError.
-  explicit Client(const Arguments& arguments, bool with_events = false);
+  explicit Client(const Arguments& arguments, bool with_events = false, bool with_stats = false);
   ~Client();
 
   /// Waits until `holds` is true of what was seen, at most until `until_ns`. The last value of it.
@@ -38,6 +38,7 @@ class Client {
   Stations stations();
   /// Valid under wait() only: the stations, the replies to a request and all events.
   const Stations& seen() const { return stations_; }
+  const std::map<std::string, bus::ScanStats>& stats_seen() const { return stats_; }
   const bus::MsgRes* reply_to(const std::string& id) const;
   std::vector<bus::Gse> take_events();
 
@@ -48,7 +49,7 @@ class Client {
   bus::Bus& bus() { return bus_; }
 
  private:
-  bus::Handlers handlers(bool with_events);
+  bus::Handlers handlers(bool with_events, bool with_stats);
 
   const std::string name_;
   std::mutex mutex_;
@@ -59,6 +60,7 @@ class Client {
   std::int64_t newest_station_ns_ = 0;
   std::vector<bus::MsgRes> replies_;
   std::vector<bus::Gse> events_;
+  std::map<std::string, bus::ScanStats> stats_;  ///< the newest of each station
   std::uint64_t ids_ = 0;
   bus::Bus bus_;  ///< last: its thread ends before the rest goes
 };

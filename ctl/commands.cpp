@@ -27,6 +27,7 @@ int carry_out(const Arguments& arguments) {
     case Command::reset: return reset(arguments);
     case Command::describe: return describe(arguments);
     case Command::events: return events(arguments);
+    case Command::stats: return stats(arguments);
   }
   return kUsageError;
 }

@@ -18,5 +18,6 @@ int msg(const Arguments& arguments);
 int reset(const Arguments& arguments);
 int describe(const Arguments& arguments);
 int events(const Arguments& arguments);
+int stats(const Arguments& arguments);
 
 }  // namespace stationd::ctl

@@ -1,4 +1,6 @@
 // msg and reset: questions that a station or the supervisor answers (RR).
+#include "ctl/requests.hpp"
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -18,12 +20,13 @@ constexpr std::int64_t kRepeat_ns = 500'000'000;
 /// Asking twice does no harm: a request is lost if it is written before the other side's reader was matched.
 bool may_repeat(const std::string& text) {
   static constexpr auto verbs = std::to_array<std::string_view>(
-      {"status", "describe", "get", "params", "pieces", "help", "role", "reset"});
+      {"status", "describe", "get", "params", "histogram", "pieces", "help", "role", "reset"});
   const std::string verb = text.substr(0, text.find(' '));
   return std::ranges::find(verbs, verb) != verbs.end();
 }
 
-/// The answer, or nothing within the time-out.
+}  // namespace
+
 std::optional<bus::MsgRes> ask(Client& client, const Arguments& arguments, const std::string& text) {
   const std::int64_t until_ns = monotonic_ns() + arguments.timeout_ns;
   const std::string id = client.new_id();
@@ -49,6 +52,8 @@ std::string without_id(const std::string& body) {
   const std::size_t blank = body.find(' ');
   return blank == std::string::npos ? "" : body.substr(blank + 1);
 }
+
+namespace {
 
 int show(const Arguments& arguments, const bus::MsgRes& reply) {
   const std::string text = without_id(reply.BODY);

@@ -130,6 +130,33 @@ TEST_CASE("watch prints samples and ends after --count") {
             .text.starts_with(R"({"stations":[{"station":"robot")"));
 }
 
+TEST_CASE("stats shows each station's statistics, its histograms when asked [SCAN-6]") {
+  FakeCell cell({"robot", "loader"});
+  for (const char* name : {"robot", "loader"}) cell.with(name, [](auto& s) { s.stats = true; });
+  const Result one = run(std::string(kPatient) + "stats robot");
+  CHECK(one.status == 0);
+  CHECK(one.text.starts_with("robot: task fake, 1 station, every 10ms\n"));
+  CHECK_FALSE(has(one, "loader"));
+  const Result all = run(std::string(kPatient) + "--json stats --histogram");
+  CHECK(all.status == 0);
+  CHECK(all.text.starts_with(R"({"stations":[{"station":"loader","task":"fake")"));
+  CHECK(has(all, R"({"station":"robot")"));
+  CHECK(has(all, R"("histograms":{"lateness":[{"from_ns":1703936,"to_ns":1720320,"count":5}])"));
+  CHECK(run("--timeout 3s stats robbot").status == 3);
+}
+
+TEST_CASE("stats of a station that publishes none: status 2, the others are shown [SCAN-6]") {
+  FakeCell cell({"robot", "loader"});
+  cell.with("loader", [](auto& s) { s.stats = true; });
+  const Result none = run("--timeout 3s stats robot");
+  CHECK(none.status == 2);
+  CHECK(has(none, "stationctl: robot published no statistics within 3s:"));
+  const Result some = run("--timeout 3s stats");
+  CHECK(some.status == 2);
+  CHECK(has(some, "loader: task fake"));
+  CHECK(has(some, "stationctl: robot published no statistics"));
+}
+
 TEST_CASE("events lists what was reported before, each once") {
   FakeCell cell({"robot"});
   cell.raise("robot", 1101, 1);

@@ -7,6 +7,7 @@
 #include "ctl/arguments.hpp"
 #include "ctl/json.hpp"
 #include "ctl/output.hpp"
+#include "ctl/stats_text.hpp"
 #include "ctl/text.hpp"
 #include "scan/clock.hpp"
 
@@ -38,6 +39,23 @@ Stations two_stations() {
   stations["storage"].status.PERIOD_NS = 10'000'000;
   stations["storage"].status.LATENESS_P99_NS = 87'000;
   return stations;
+}
+
+StationStats some_stats() {
+  StationStats station;
+  bus::ScanStats& s = station.stats;
+  s.STATION = "robot";
+  s.TASK = "main";
+  s.TASK_STATIONS = 2;
+  s.PERIOD_NS = 10'000'000;
+  s.SCANS = 90'000;
+  s.DEADLINE_MISSES = 7;
+  s.SKIPPED = 5;
+  s.MINUTE_SCANS = 6'000;
+  s.MINUTE_DEADLINE_MISSES = 1;
+  s.FIGURES[0][static_cast<std::size_t>(Figure::response)] = {90'000, 1'000,  2'000,        3'000,
+                                                              40'000, 50'000, 1'500'000'000};
+  return station;
 }
 
 }  // namespace
@@ -82,6 +100,11 @@ TEST_CASE("each command takes what belongs to it") {
   CHECK(parse({"stop", "all", "--end-of-piece"}).end_of_piece);
   CHECK(parse({"events", "--follow", "--count", "3"}).count == 3);
   CHECK(parse({"watch", "--count=2", "robot"}).station == "robot");
+  const Arguments stats = parse({"stats", "robot", "--histogram", "--json"});
+  CHECK(stats.command == Command::stats);
+  CHECK(stats.station == "robot");
+  CHECK(stats.histogram);
+  CHECK(parse({"stats"}).problem.empty());
   CHECK(parse({"--version"}).command == Command::version);
   CHECK(parse({"list", "--help"}).command == Command::help);
 }
@@ -105,6 +128,7 @@ TEST_CASE("what is wrong is said, with a suggestion where one is near") {
   CHECK(parse({"watch", "--count", "0"}).problem.starts_with("--count takes a number of at least 1"));
   CHECK(parse({"list", "--follow"}).problem == "--follow belongs to events");
   CHECK(parse({"start", "robot", "--end-of-piece"}).problem == "--end-of-piece belongs to stop");
+  CHECK(parse({"list", "--histogram"}).problem == "--histogram belongs to stats");
   CHECK(parse({"list", "--json=yes"}).problem == "--json takes no value");
 }
 
@@ -159,6 +183,86 @@ TEST_CASE("errors tell what to look at") {
   fresh["robot"].receipt_ns = monotonic_ns();
   CHECK(no_answer_text(arguments, "did not answer", fresh).find("its Status says FAULT") !=
         std::string::npos);
+}
+
+TEST_CASE("durations with three digits") {
+  CHECK(precise_duration(0) == "0ns");
+  CHECK(precise_duration(999) == "999ns");
+  CHECK(precise_duration(1'000) == "1.00us");
+  CHECK(precise_duration(12'345) == "12.3us");
+  CHECK(precise_duration(99'960) == "100us");
+  CHECK(precise_duration(999'400) == "999us");
+  CHECK(precise_duration(999'600) == "1.00ms");
+  CHECK(precise_duration(1'501'000'000) == "1.50s");
+  CHECK(precise_duration(274'877'906'944) == "275s");
+}
+
+TEST_CASE("statistics show both windows, aligned, and the task's figures where they differ [SCAN-6]") {
+  const StationStats station = some_stats();
+  const std::vector<std::string> lines = stats_lines(station);
+  REQUIRE(lines.size() == 1 + 2 * (2 + kFigures));
+  CHECK(lines[0] == "robot: task main, 2 stations, every 10ms");
+  CHECK(lines[1] == "  last minute: 6000 scans, 1 deadline miss, of them 0 cycles skipped");
+  CHECK(lines[13] == "  since start: 90000 scans, 7 deadline misses, of them 5 cycles skipped");
+  const std::string& heading = lines[14];
+  const std::string& response = lines[17];
+  CHECK(response.starts_with("    response"));
+  for (const auto& cell : std::map<std::string, std::string>{
+           {"min", "1.00us"}, {"mean", "2.00us"}, {"p50", "3.00us"}, {"p99", "40.0us"}, {"max", "1.50s"}}) {
+    const auto& column = cell.first;
+    const auto& value = cell.second;
+    CAPTURE(column);
+    const std::size_t end = heading.find(column + (column == "max" ? "" : " ")) + column.size();
+    CHECK(response.substr(end - value.size(), value.size()) == value);
+  }
+  CHECK(lines[3].find(" -") != std::string::npos);  // nothing recorded in the last minute
+  StationStats alone = station;
+  alone.stats.TASK_STATIONS = 1;
+  CHECK(stats_lines(alone).size() == lines.size() - 4);
+}
+
+TEST_CASE("statistics as JSON have stable keys [SCAN-6]") {
+  StationStats station = some_stats();
+  const std::string text = stats_json({station});
+  CHECK(text.starts_with(R"({"stations":[{"station":"robot","task":"main","task_stations":2,)"
+                         R"("period_ns":10000000,"source_time_ns":0,"since_start":{"scans":90000,)"
+                         R"("deadline_misses":7,"skipped":5,"lateness":{"count":0,)"));
+  CHECK(text.find(R"("response":{"count":90000,"min_ns":1000,"mean_ns":2000,"p50_ns":3000,"p99_ns":40000,)"
+                  R"("p999_ns":50000,"max_ns":1500000000})") != std::string::npos);
+  CHECK(text.find(R"("last_minute":{"scans":6000,)") != std::string::npos);
+  CHECK(text.find("histograms") == std::string::npos);
+  station.histograms.push_back({Figure::response, Window::since_start, 1, {{3, 7}, {2'112, 1}}});
+  CHECK(stats_json({station}).ends_with(R"("histograms":{"response":[{"from_ns":3,"to_ns":4,"count":7},)"
+                                        R"({"from_ns":274877906944,"count":1}]}}]})"));
+}
+
+TEST_CASE("histogram's bars keep every count, show one in a million and end with the overflow [SCAN-6]") {
+  bus::HistogramBody histogram{Figure::response, Window::since_start, 1, {}};
+  for (const auto& [ns, count] : std::map<std::int64_t, std::uint64_t>{
+           {150'000, 999'000}, {160'000, 998}, {1'100'000, 1}, {300'000'000'000, 1}})
+    histogram.buckets.push_back({Buckets::index(ns), count});
+  const std::vector<std::string> lines = histogram_lines(histogram);
+  REQUIRE(lines.size() == 5);  // 100us, 200us, 500us, 1ms, the overflow
+  CHECK(lines[0].starts_with(" 100us  to 200us   999998   99.999%"));
+  CHECK(lines[0].ends_with(std::string(40, '#')));
+  CHECK(lines[1].ends_with("0   99.999%"));  // never 100 % while something follows
+  CHECK(lines[3].find("1.00ms  to 2.00ms       1") != std::string::npos);
+  CHECK(lines[3].ends_with(" ###"));
+  CHECK(lines[4].starts_with("  275s  or more"));
+  CHECK(lines[4].find("100.000%") != std::string::npos);
+  CHECK(histogram_lines({}).empty());
+}
+
+TEST_CASE("histogram of the whole range has a row for each of 1, 2, 5, 10 [SCAN-6]") {
+  bus::HistogramBody histogram;
+  for (std::size_t i = 0; i < Buckets::kCount; ++i) histogram.buckets.push_back({i, 1});
+  const std::vector<std::string> lines = histogram_lines(histogram);
+  CHECK(lines.size() == 2 + 3 * 11 + 2);  // 0, then 1 ns to 50 s, 100 s, 200 s, overflow
+  CHECK(lines[0].find("0ns  to 1.00us") == std::string::npos);
+  CHECK(lines[1].find("1ns  to 2ns") != std::string::npos);
+  std::uint64_t total = 0;
+  for (const std::string& line : lines) total += std::stoull(line.substr(line.find("  ", 12)));
+  CHECK(total == Buckets::kCount);
 }
 
 TEST_CASE("texts from the network cannot move the cursor") {

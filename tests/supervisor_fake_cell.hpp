@@ -45,6 +45,7 @@ class FakeCell {
     bus::Status status;
     bus::End end;
     bool deaf = false;                          ///< orders and requests have no effect
+    bool stats = false;                         ///< publishes ScanStats and has a histogram
     int starts = 0;                             ///< received
     std::vector<std::string> start_order_seen;  ///< stations RUNNING when its first Start came
   };
@@ -59,7 +60,7 @@ class FakeCell {
       station.end.STATION = name;
       station.end.EPOCH = 1;
     }
-    bus_.prepare_writers({"Status", "End", "GSE", "Msg_Res"});
+    bus_.prepare_writers({"Status", "End", "ScanStats", "GSE", "Msg_Res"});
     bus::Handlers handlers;
     handlers.on_start = [this](const bus::MsgReq& order, const bus::Origin&) { on_start(order); };
     handlers.on_stop = [this](const bus::MsgReq& order, const bus::Origin&) { on_stop(order); };
@@ -137,10 +138,25 @@ class FakeCell {
     const bool known = !body.words.empty() && (body.words[0] == "status" || body.words[0] == "reset");
     bus::MsgRes reply;
     reply.DEST_STATION = body.from;
+    if (with(request.DEST_STATION, [](Station& s) { return s.stats; }) && body.words[0] == "histogram") {
+      reply.BODY =
+          bus::reply_prefix(body) + "figure=" + body.words.at(1) + " window=since_start merged=1 1000:5";
+      bus_.write_reply(reply, origin);
+      return;
+    }
     reply.ERROR = !known;
     reply.STATUS = known ? 0 : 1307;
     reply.BODY = bus::reply_prefix(body) + (known ? "fake " + body.words[0] : "not a verb");
     bus_.write_reply(reply, origin);
+  }
+  static bus::ScanStats stats_of(const std::string& name) {
+    bus::ScanStats stats;
+    stats.STATION = name;
+    stats.TASK = "fake";
+    stats.TASK_STATIONS = 1;
+    stats.PERIOD_NS = 10'000'000;
+    stats.SCANS = 12;
+    return stats;
   }
   void repeat() {
     while (!end_) {
@@ -150,6 +166,7 @@ class FakeCell {
           station.status.SCANS += 5;
           bus_.write(station.status);
           bus_.write(station.end);
+          if (station.stats) bus_.write(stats_of(name));
         }
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
