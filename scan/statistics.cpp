@@ -1,7 +1,7 @@
 #include "scan/statistics.hpp"
 
 #include <algorithm>
-#include <memory>
+#include <utility>
 
 namespace stationd {
 namespace {
@@ -45,11 +45,12 @@ void HistogramReader::Part::add(std::size_t bucket, std::uint32_t count) {
 
 void HistogramReader::cover(std::size_t first, std::size_t last) {
   if (totals_.empty()) first_ = first;
-  if (first < first_) {
-    totals_.insert(totals_.begin(), first_ - first, 0);
-    first_ = first;
-  }
-  if (last >= first_ + totals_.size()) totals_.resize(last - first_ + 1);
+  const std::size_t from = std::min(first, first_), end = std::max(last + 1, first_ + totals_.size());
+  if (end - from == totals_.size()) return;
+  std::vector<std::uint64_t> wider(end - from);
+  std::ranges::copy(totals_, wider.begin() + static_cast<std::ptrdiff_t>(first_ - from));
+  totals_ = std::move(wider);
+  first_ = from;
 }
 
 void HistogramReader::collect(std::int64_t now_ns) {
@@ -69,6 +70,7 @@ void HistogramReader::take(const Histogram::Reading& now, std::int64_t now_ns) {
     total += fresh;
     part.add(i, fresh);
   }
+  part.some.shrink_to_fit();  // memory is locked: what is not needed is not kept
   part.sum_ns += now.sum_ns - sum_ns_;
   sum_ns_ = now.sum_ns;
   min_ns_ = now.min_ns;
