@@ -37,7 +37,7 @@ inline constexpr std::size_t kWindows = 2;
 std::string_view name_of(Window window) noexcept;
 
 /// Count and mean are exact, minimum and maximum since start too; the rest is at most 1 % off (see Buckets).
-/// All 0 while nothing was recorded.
+/// What overflowed is told as the maximum since start. All 0 while nothing was recorded.
 struct Summary {
   std::uint64_t count = 0;
   std::int64_t min_ns = 0, mean_ns = 0, p50_ns = 0, p99_ns = 0, p999_ns = 0, max_ns = 0;
