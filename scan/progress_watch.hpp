@@ -37,6 +37,9 @@ class ProgressWatch {
     return Progress::stuck;
   }
 
+  /// What has passed so far is not held against the scan: another one had its CPU.
+  constexpr void forgive() noexcept { idle_ns_ = 0; }
+
   constexpr bool stuck() const noexcept { return stuck_; }
   /// How long the scan has made no progress, as judged.
   constexpr std::int64_t idle_ns() const noexcept { return idle_ns_; }

@@ -155,7 +155,9 @@ void RtThread::loop() noexcept {
     if (stop_.load(std::memory_order_acquire)) break;
     const std::int64_t woken_ns = monotonic_ns();
     owed_since_ns_.store(woken_ns, std::memory_order_relaxed);
+    in_cycle_.store(true, std::memory_order_relaxed);
     k = task_.run(schedule, k, woken_ns, utc_offset_ns_.load(std::memory_order_relaxed));
+    in_cycle_.store(false, std::memory_order_relaxed);
   }
   ended_.store(true, std::memory_order_release);
 }

@@ -31,6 +31,7 @@ void sleep_until(std::int64_t due_ns) noexcept {
 RtWatchdog::RtWatchdog(std::vector<Watched> watched)
     : watched_(std::move(watched)), round_ns_(round_for(watched_)) {
   for (const Watched& w : watched_) watches_.emplace_back(w.limit_ns, round_ns_);
+  waiting_.reserve(watched_.size());
 }
 
 RtWatchdog::~RtWatchdog() { stop(); }
@@ -79,19 +80,37 @@ void RtWatchdog::loop() noexcept {
   }
 }
 
+/// Those within a cycle first: where one of them is stuck, those that wait may have waited for its CPU.
 void RtWatchdog::round(std::int64_t now_ns, std::int64_t elapsed_ns) noexcept {
+  bool stuck = false;
+  waiting_.clear();
   for (std::size_t i = 0; i < watched_.size(); ++i) {
-    RtThread& thread = *watched_[i].thread;
-    const std::int64_t idle_ns = watches_[i].idle_ns();
-    switch (watches_[i].judge(thread.owed_since_ns(), now_ns, elapsed_ns)) {
-      case Progress::fine: break;
-      case Progress::stuck: revoke(i); break;
-      case Progress::recovered:
-        stuck_.fetch_sub(1, std::memory_order_relaxed);
-        reports_.push({static_cast<std::uint32_t>(i), false, idle_ns, -1, thread.promote()});
-        break;
-    }
+    if (watched_[i].thread->in_cycle())
+      stuck = judge(i, now_ns, elapsed_ns) || stuck;
+    else
+      waiting_.push_back(i);
   }
+  for (const std::size_t i : waiting_) {
+    if (stuck)
+      watches_[i].forgive();
+    else
+      judge(i, now_ns, elapsed_ns);
+  }
+}
+
+/// True if it is stuck from now on.
+bool RtWatchdog::judge(std::size_t index, std::int64_t now_ns, std::int64_t elapsed_ns) noexcept {
+  RtThread& thread = *watched_[index].thread;
+  const std::int64_t idle_ns = watches_[index].idle_ns();
+  switch (watches_[index].judge(thread.owed_since_ns(), now_ns, elapsed_ns)) {
+    case Progress::fine: break;
+    case Progress::stuck: revoke(index); return true;
+    case Progress::recovered:
+      stuck_.fetch_sub(1, std::memory_order_relaxed);
+      reports_.push({static_cast<std::uint32_t>(index), false, idle_ns, -1, thread.promote()});
+      break;
+  }
+  return false;
 }
 
 /// The permits first: what the I/O threads send from now on is safe. Then the CPU is theirs again.

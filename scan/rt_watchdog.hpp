@@ -58,11 +58,13 @@ class RtWatchdog {
   static void* entry(void* self);
   void loop() noexcept;
   void round(std::int64_t now_ns, std::int64_t elapsed_ns) noexcept;
+  bool judge(std::size_t index, std::int64_t now_ns, std::int64_t elapsed_ns) noexcept;
   void revoke(std::size_t index) noexcept;
 
   std::vector<Watched> watched_;
   std::int64_t round_ns_;
   std::vector<ProgressWatch> watches_;
+  std::vector<std::size_t> waiting_;  // of one round: tasks that are not within a cycle
   Ring<Report> reports_{64};
   const std::atomic<std::int64_t>* utc_offset_ns_ = nullptr;
   std::atomic<std::int64_t> last_round_ns_{0};

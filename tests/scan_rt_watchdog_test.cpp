@@ -64,10 +64,12 @@ template <class Condition> bool in_time(Condition condition) {
 /// One looping task on each CPU under a watchdog.
 class Machine {
  public:
-  explicit Machine(int priority) {
+  /// With `bystander`, a task of lowest priority that does nothing wrong.
+  explicit Machine(int priority, bool bystander = false) {
     std::vector<RtWatchdog::Watched> watched;
     for (int cpu = 0; cpu < get_nprocs(); ++cpu)
       loops.push_back(std::make_unique<Looping>(cpu, priority, held));
+    if (bystander) loops.push_back(std::make_unique<Looping>(-1, 1, never));
     for (auto& loop : loops) watched.push_back({&loop->task, &loop->thread, kLimit});
     watchdog = std::make_unique<RtWatchdog>(std::move(watched));
     for (RtGrant& g : watchdog->start(offset)) grants.push_back(std::move(g));
@@ -91,6 +93,7 @@ class Machine {
   }
 
   std::atomic<bool> held{true};
+  const std::atomic<bool> never{false};
   std::atomic<std::int64_t> offset{0};
   std::vector<std::unique_ptr<Looping>> loops;
   std::unique_ptr<RtWatchdog> watchdog;

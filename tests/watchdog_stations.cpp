@@ -12,19 +12,18 @@ namespace {
 class Looper final : public Program {
  public:
   explicit Looper(const ProgramOptions&) {}
-  void execute(Cycle&) noexcept override {
+  void execute(Cycle& cycle) noexcept override {
     lamp_ = true;
-    if (scans_++ < before_.get()) return;
+    if (at_scan_ == 0 || cycle.scan() < at_scan_) return;
     for (std::uint32_t i = 0; rounds_.get() == 0 || i < rounds_.get(); ++i)
       for (volatile int spin = 0; spin < 1'000'000;) spin = spin + 1;
-    scans_ = 0;
   }
 
  private:
   Out<bool> lamp_{*this, "lamp", "on while the program runs"};
-  Param<std::uint32_t> before_{*this, "before", "scans before it hangs", 20, 0, 1'000'000};
+  Param<std::uint32_t> at_scan_{*this, "at_scan", "it hangs from that scan on; 0: never",
+                                0,     0,         4'000'000'000};
   Param<std::uint32_t> rounds_{*this, "rounds", "millions of turns; 0: for ever", 0, 0, 4'000'000'000};
-  std::uint32_t scans_ = 0;
 };
 
 class Steady final : public Program {

@@ -112,11 +112,17 @@ def row(cell, name):
     return cell.stations().get(name, {})
 
 
+def soon(cell, scans):
+    """at_scan=N, that many scans ahead."""
+    return f"at_scan={row(cell, 'steady')['scans'] + scans}"
+
+
 def hang(cell, field, process):
-    """All loopers at once, until killed."""
-    for unit, _ in enumerate(CPUS, 1):
-        check(f"loop{unit} starts", cell.ctl("start", f"loop{unit}", "before=100").returncode == 0)
+    """All loopers in the same scan, for ever."""
     check("steady starts", cell.ctl("start", "steady").returncode == 0)
+    at_scan = soon(cell, 500)
+    for unit, _ in enumerate(CPUS, 1):
+        check(f"loop{unit} starts, {at_scan}", cell.ctl("start", f"loop{unit}", at_scan).returncode == 0)
     wait_for("all lamps are on", lambda: field.loops() == [1] * len(CPUS) and field.lamp(STEADY) == 1)
     wait_for("lamps of programs that hang go off at the device", lambda: field.loops() == [0] * len(CPUS))
     wait_for(
@@ -155,14 +161,14 @@ def for_a_while(cell):
     """A program that returns late: FAULT, rights given back, reset and Start."""
     process = start(cell, "true")
     field = Field(cell.port)
-    check("loop1 starts", cell.ctl("start", "loop1", "before=10", "rounds=3000").returncode == 0)
+    check("loop1 starts", cell.ctl("start", "loop1", soon(cell, 200), "rounds=1000").returncode == 0)
     wait_for("it hangs", lambda: "no progress for" in cell.log("stuck"))
     wait_for("it moves again", lambda: "task loop1: moves again" in cell.log("stuck"))
     wait_for("it is in FAULT", lambda: row(cell, "loop1").get("state") == "FAULT")
     check("real-time rights are back", scheduling(process, "scan-loop1") == (os.SCHED_FIFO, 0))
     check("its lamp is off", field.lamp(1) == 0)
     check("reset is obeyed", cell.ctl("reset", "loop1").returncode == 0)
-    check("Start is obeyed", cell.ctl("start", "loop1", "before=1000000").returncode == 0)
+    check("Start is obeyed", cell.ctl("start", "loop1", "at_scan=0").returncode == 0)
     wait_for("its lamp is on again", lambda: field.lamp(1) == 1)
     check("the daemon ends with status 0", cell.end("stuck") == 0)
 
@@ -173,7 +179,7 @@ def restart_on_stuck(cell):
     cell.end("stuck")
     process = start(cell, "true")
     wait_for("the service manager's watchdog is fed", lambda: manager.fed() >= 1, alive=[process])
-    check("loop1 starts", cell.ctl("start", "loop1", "before=10").returncode == 0)
+    check("loop1 starts", cell.ctl("start", "loop1", soon(cell, 200)).returncode == 0)
     wait_for("it hangs", lambda: cell.log("stuck").count("no progress for") > 0)
     manager.fed()
     scans = row(cell, "steady")["scans"]
