@@ -25,13 +25,15 @@ class ProgressWatch {
                            std::int64_t elapsed_ns) noexcept {
     const bool moved = owed_since_ns != seen_ns_;
     seen_ns_ = owed_since_ns;
-    if (moved || now_ns <= owed_since_ns) {
-      idle_ns_ = 0;
+    const std::int64_t more_ns =
+        std::clamp<std::int64_t>(now_ns - owed_since_ns, 0, std::min(elapsed_ns, 2 * round_ns_));
+    if (moved || more_ns == 0) {
+      idle_ns_ = more_ns;
       if (!stuck_ || !moved) return Progress::fine;
       stuck_ = false;
       return Progress::recovered;
     }
-    idle_ns_ += std::min({elapsed_ns, now_ns - owed_since_ns, 2 * round_ns_});
+    idle_ns_ += more_ns;
     if (stuck_ || idle_ns_ <= limit_ns_) return Progress::fine;
     stuck_ = true;
     return Progress::stuck;

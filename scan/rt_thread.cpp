@@ -89,6 +89,7 @@ std::vector<RtGrant> RtThread::start() {
   pthread_attr_destroy(&attributes);
   if (made != 0) throw SetupError("no thread for task " + task_.options().name + ": " + std::strerror(made));
   started_ = true;
+  pthread_getcpuclockid(thread_, &cpu_clock_);
   pthread_setname_np(thread_, ("scan-" + task_.options().name).substr(0, 15).c_str());
   if (options_.cpu >= 0) {
     cpu_set_t cpus;
@@ -104,6 +105,12 @@ std::vector<RtGrant> RtThread::start() {
     fifo_.store(grants.back().granted, std::memory_order_relaxed);
   }
   return grants;
+}
+
+std::int64_t RtThread::cpu_ns() const noexcept {
+  timespec used{};
+  clock_gettime(cpu_clock_, &used);
+  return used.tv_sec * kSecondNs + used.tv_nsec;
 }
 
 /// By the thread's number and without the C library, whose calls share a lock with the thread.
@@ -155,9 +162,7 @@ void RtThread::loop() noexcept {
     if (stop_.load(std::memory_order_acquire)) break;
     const std::int64_t woken_ns = monotonic_ns();
     owed_since_ns_.store(woken_ns, std::memory_order_relaxed);
-    in_cycle_.store(true, std::memory_order_relaxed);
     k = task_.run(schedule, k, woken_ns, utc_offset_ns_.load(std::memory_order_relaxed));
-    in_cycle_.store(false, std::memory_order_relaxed);
   }
   ended_.store(true, std::memory_order_release);
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <pthread.h>
+#include <time.h>
 
 #include <atomic>
 #include <cstdint>
@@ -74,8 +75,8 @@ class RtThread {
   /// Any thread. From when on the scan owes progress: the due time it waits for, or when it woke
   /// (CLOCK_MONOTONIC).
   std::int64_t owed_since_ns() const noexcept { return owed_since_ns_.load(std::memory_order_relaxed); }
-  /// Any thread. Whether it is within a cycle; else it waits for its due time, or for a CPU.
-  bool in_cycle() const noexcept { return in_cycle_.load(std::memory_order_relaxed); }
+  /// Any thread, between start() and stop(). CPU time that the scan thread has used.
+  std::int64_t cpu_ns() const noexcept;
   /// The watchdog thread. Takes real-time rights from the scan thread (normal scheduling, nice 19) and gives
   /// them back. False: it had none, or the kernel refused.
   bool demote() noexcept;
@@ -93,11 +94,11 @@ class RtThread {
   std::atomic<bool> stop_{false};
   std::atomic<bool> ended_{false};
   std::atomic<std::int64_t> owed_since_ns_{INT64_MAX};
-  std::atomic<bool> in_cycle_{false};
   std::atomic<pid_t> tid_{0};  // 0: the loop has not begun
   std::atomic<bool> fifo_{false};
   bool started_ = false;
   pthread_t thread_{};
+  clockid_t cpu_clock_ = CLOCK_THREAD_CPUTIME_ID;
 };
 
 }  // namespace stationd

@@ -31,7 +31,8 @@ void sleep_until(std::int64_t due_ns) noexcept {
 RtWatchdog::RtWatchdog(std::vector<Watched> watched)
     : watched_(std::move(watched)), round_ns_(round_for(watched_)) {
   for (const Watched& w : watched_) watches_.emplace_back(w.limit_ns, round_ns_);
-  waiting_.reserve(watched_.size());
+  idle_.reserve(watched_.size());
+  marks_.resize(watched_.size());
 }
 
 RtWatchdog::~RtWatchdog() { stop(); }
@@ -80,22 +81,32 @@ void RtWatchdog::loop() noexcept {
   }
 }
 
-/// Those within a cycle first: where one of them is stuck, those that wait may have waited for its CPU.
+/// Those that use the CPU first: where one of them is stuck, the others may have waited for that CPU.
 void RtWatchdog::round(std::int64_t now_ns, std::int64_t elapsed_ns) noexcept {
   bool stuck = false;
-  waiting_.clear();
+  idle_.clear();
   for (std::size_t i = 0; i < watched_.size(); ++i) {
-    if (watched_[i].thread->in_cycle())
+    if (uses_cpu(i))
       stuck = judge(i, now_ns, elapsed_ns) || stuck;
     else
-      waiting_.push_back(i);
+      idle_.push_back(i);
   }
-  for (const std::size_t i : waiting_) {
+  for (const std::size_t i : idle_) {
     if (stuck)
       watches_[i].forgive();
     else
       judge(i, now_ns, elapsed_ns);
   }
+}
+
+/// At least half of the time that it makes no progress.
+bool RtWatchdog::uses_cpu(std::size_t index) noexcept {
+  const RtThread& thread = *watched_[index].thread;
+  Mark& mark = marks_[index];
+  const std::int64_t owed_since_ns = thread.owed_since_ns();
+  const std::int64_t cpu_ns = thread.cpu_ns();
+  if (owed_since_ns != mark.owed_since_ns) mark = {owed_since_ns, cpu_ns};
+  return 2 * (cpu_ns - mark.cpu_ns) > watches_[index].idle_ns();
 }
 
 /// True if it is stuck from now on.

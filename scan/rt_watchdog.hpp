@@ -58,13 +58,19 @@ class RtWatchdog {
   static void* entry(void* self);
   void loop() noexcept;
   void round(std::int64_t now_ns, std::int64_t elapsed_ns) noexcept;
+  bool uses_cpu(std::size_t index) noexcept;
   bool judge(std::size_t index, std::int64_t now_ns, std::int64_t elapsed_ns) noexcept;
   void revoke(std::size_t index) noexcept;
 
   std::vector<Watched> watched_;
   std::int64_t round_ns_;
+  struct Mark {
+    std::int64_t owed_since_ns = 0;
+    std::int64_t cpu_ns = 0;  // that the thread had used when the mark was seen first
+  };
   std::vector<ProgressWatch> watches_;
-  std::vector<std::size_t> waiting_;  // of one round: tasks that are not within a cycle
+  std::vector<Mark> marks_;
+  std::vector<std::size_t> idle_;  // of one round: tasks that use no CPU
   Ring<Report> reports_{64};
   const std::atomic<std::int64_t>* utc_offset_ns_ = nullptr;
   std::atomic<std::int64_t> last_round_ns_{0};
