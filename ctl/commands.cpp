@@ -6,12 +6,15 @@
 
 #include "ctl/client.hpp"
 #include "ctl/output.hpp"
-#include "ctl/text.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::code_id;
+using bus::code_text;
 
 int carry_out(const Arguments& arguments) {
   switch (arguments.command) {

@@ -7,12 +7,16 @@
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
-#include "ctl/text.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::code_text;
+using bus::printable;
+using bus::state_text;
 
 constexpr std::int64_t kRepeat_ns = 300'000'000;
 

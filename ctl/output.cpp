@@ -3,12 +3,21 @@
 #include <cstdio>
 
 #include "config/units.hpp"
-#include "ctl/text.hpp"
+#include "ctl/table.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::code_text;
+using bus::printable;
+using bus::severity_text;
+using bus::short_duration;
+using bus::state_text;
+using bus::step_text;
+using bus::time_text;
 
 /// Status is repeated every 0.1 s; the DDS lease is over after some seconds.
 constexpr std::int64_t kAwayAfter_ns = 1'000'000'000;
@@ -16,11 +25,6 @@ constexpr std::int64_t kAwayAfter_ns = 1'000'000'000;
 std::string code_name(std::uint32_t code) {
   const CodeInfo* info = find_code(code);
   return info == nullptr ? "" : std::string(info->name);
-}
-
-std::string step_of(const bus::Status& status) {
-  if (!status.STEP_NAME.empty()) return printable(status.STEP_NAME);
-  return status.STEP == 0 ? "-" : std::to_string(status.STEP);
 }
 
 std::string remark_of(const bus::Status& status) {
@@ -80,7 +84,7 @@ std::vector<std::string> stations_table(const Stations& stations, std::int64_t n
   for (const auto& [name, seen] : stations) {
     const bus::Status& s = seen.status;
     rows.push_back(
-        {printable(name), state_of(seen, now_ns), step_of(s), s.PIECE == 0 ? "-" : std::to_string(s.PIECE),
+        {printable(name), state_of(seen, now_ns), step_text(s), s.PIECE == 0 ? "-" : std::to_string(s.PIECE),
          std::to_string(s.SCANS), std::to_string(s.DEADLINE_MISSES),
          short_duration(s.LATENESS_P99_NS) + "/" + short_duration(s.LATENESS_MAX_NS),
          config::duration_text(s.PERIOD_NS), printable(s.CONTROLLER),
@@ -92,7 +96,7 @@ std::vector<std::string> stations_table(const Stations& stations, std::int64_t n
 std::string station_line(const Seen& seen, std::int64_t now_ns) {
   const bus::Status& s = seen.status;
   std::string out = time_text(s.SOURCE_TIME) + " " + printable(s.STATION) + " " + state_of(seen, now_ns);
-  out += " step=" + step_of(s) + " piece=" + std::to_string(s.PIECE) + " scans=" + std::to_string(s.SCANS);
+  out += " step=" + step_text(s) + " piece=" + std::to_string(s.PIECE) + " scans=" + std::to_string(s.SCANS);
   out += " misses=" + std::to_string(s.DEADLINE_MISSES) + " late_p99=" + short_duration(s.LATENESS_P99_NS);
   const std::string remark = remark_of(s);
   return remark.empty() ? out : out + " " + remark;

@@ -9,11 +9,15 @@
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
-#include "ctl/text.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::code_id;
+using bus::code_text;
+using bus::printable;
 
 constexpr std::int64_t kRepeat_ns = 500'000'000;
 

@@ -9,11 +9,13 @@
 #include "ctl/output.hpp"
 #include "ctl/requests.hpp"
 #include "ctl/stats_text.hpp"
-#include "ctl/text.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::printable;
 
 constexpr auto kShown = std::to_array<Figure>({Figure::lateness, Figure::execution, Figure::response});
 

@@ -7,10 +7,14 @@
 
 #include "config/units.hpp"
 #include "ctl/json.hpp"
-#include "ctl/text.hpp"
+#include "ctl/table.hpp"
+#include "dds_bridge/text.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::count_text;
+using bus::printable;
 
 constexpr double kBarColumns = 40;
 
@@ -24,10 +28,6 @@ std::string words(std::string_view name) {
   std::string text(name);
   std::ranges::replace(text, '_', ' ');
   return text;
-}
-
-std::string count_of(std::uint64_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
 struct Counters {
@@ -46,9 +46,9 @@ bool told_apart(const bus::ScanStats& s, Figure figure) {
 
 void add_window(std::vector<std::string>& lines, const bus::ScanStats& s, Window window) {
   const Counters n = counters_of(s, window);
-  lines.push_back("  " + words(name_of(window)) + ": " + count_of(n.scans, "scan", "scans") + ", " +
-                  count_of(n.misses, "deadline miss", "deadline misses") + ", of them " +
-                  count_of(n.skipped, "cycle", "cycles") + " skipped");
+  lines.push_back("  " + words(name_of(window)) + ": " + count_text(n.scans, "scan") + ", " +
+                  count_text(n.misses, "deadline miss") + ", of them " + count_text(n.skipped, "cycle") +
+                  " skipped");
   std::vector<std::vector<std::string>> rows{{"", "min", "mean", "p50", "p99", "p99.9", "max"}};
   for (std::size_t f = 0; f < kFigures; ++f) {
     const auto figure = static_cast<Figure>(f);
@@ -147,7 +147,7 @@ std::string precise_duration(std::int64_t ns) {
 std::vector<std::string> stats_lines(const StationStats& station) {
   const bus::ScanStats& s = station.stats;
   std::vector<std::string> lines{printable(s.STATION) + ": task " + printable(s.TASK) + ", " +
-                                 count_of(s.TASK_STATIONS, "station", "stations") + ", every " +
+                                 count_text(s.TASK_STATIONS, "station") + ", every " +
                                  config::duration_text(s.PERIOD_NS)};
   add_window(lines, s, Window::last_minute);
   add_window(lines, s, Window::since_start);

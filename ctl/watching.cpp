@@ -16,11 +16,13 @@
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
-#include "ctl/text.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 
 namespace stationd::ctl {
 namespace {
+
+using bus::event_text;
 
 constexpr std::int64_t kSample_ns = 1'000'000'000;   // plain lines and JSON
 constexpr std::int64_t kRedraw_ns = 250'000'000;     // a view in a terminal

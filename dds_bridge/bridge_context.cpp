@@ -7,11 +7,9 @@
 
 namespace stationd::bus {
 
-std::string code_text(std::uint32_t code) { return "ST" + std::to_string(code); }
-
 std::string code_with_name(std::uint32_t code) {
   const CodeInfo* info = find_code(code);
-  return code_text(code) + (info == nullptr ? "" : " (" + std::string(info->name) + ")");
+  return code_id(code) + (info == nullptr ? "" : " (" + std::string(info->name) + ")");
 }
 
 void PendingTable::add(Pending pending, Request& request) {

@@ -14,12 +14,11 @@
 
 #include "dds_bridge/body.hpp"
 #include "dds_bridge/station_bridge.hpp"
+#include "dds_bridge/text.hpp"
 #include "dds_bridge/throttle.hpp"
 
 namespace stationd::bus {
 
-/// "ST1203"
-std::string code_text(std::uint32_t code);
 /// "ST1306 (unknown tag)"
 std::string code_with_name(std::uint32_t code);
 

@@ -107,7 +107,7 @@ void BusOut::send_event(const Station& station, const Event& event) {
   gse.SOURCE_TIME = event.utc_ns;
   gse.DETAIL = event.detail;
   const CodeInfo* info = find_code(event.code);
-  gse.TEXT = info == nullptr ? code_text(event.code) : clipped(info->name, kTextBound);
+  gse.TEXT = info == nullptr ? code_id(event.code) : clipped(info->name, kTextBound);
   events_.put(std::move(gse));
 }
 

@@ -189,8 +189,8 @@ Orders::Answer Orders::status(BridgedEntry& entry) {
   text += " step=" + (s.STEP_NAME.empty() ? std::to_string(s.STEP) : s.STEP_NAME);
   text += " piece=" + std::to_string(s.PIECE) + " scans=" + std::to_string(s.SCANS);
   text += " deadline_misses=" + std::to_string(s.DEADLINE_MISSES);
-  text += " fault=" + (s.FAULT == 0 ? "none" : code_text(s.FAULT));
-  text += " warning=" + (s.WARNING == 0 ? "none" : code_text(s.WARNING));
+  text += " fault=" + (s.FAULT == 0 ? "none" : code_id(s.FAULT));
+  text += " warning=" + (s.WARNING == 0 ? "none" : code_id(s.WARNING));
   text += " controller=" + s.CONTROLLER;
   return {std::move(text), 0, s.FAULT};
 }
@@ -199,8 +199,8 @@ Orders::Answer Orders::describe(const Body& body) {
   const auto number = code_number(body.words[1]);
   if (!number) return {body.words[1] + " is no code: ST1203 or 1203, say", code::body_invalid};
   const CodeInfo* info = find_code(*number);
-  if (info == nullptr) return {"there is no code " + code_text(*number), code::value_invalid, *number};
-  std::string text = code_text(*number) + " " + std::string(info->name) + " (";
+  if (info == nullptr) return {"there is no code " + code_id(*number), code::value_invalid, *number};
+  std::string text = code_id(*number) + " " + std::string(info->name) + " (";
   text.append(stationd::name_of(info->severity)).append("). Cause: ").append(info->cause);
   text.append(" Remedy: ").append(info->remedy);
   return {std::move(text), 0, *number};

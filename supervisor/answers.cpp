@@ -4,11 +4,15 @@
 #include <vector>
 
 #include "dds_bridge/body.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/codes.hpp"
-#include "supervisor/text.hpp"
 
 namespace stationd::supervisor {
 namespace {
+
+using bus::code_id;
+using bus::printable;
+using bus::state_text;
 
 using Words = std::vector<std::string>;
 

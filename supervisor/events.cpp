@@ -1,5 +1,7 @@
 #include "supervisor/events.hpp"
 
+#include "dds_bridge/text.hpp"
+
 namespace stationd::supervisor {
 namespace {
 
@@ -45,6 +47,11 @@ bool EventList::add(const bus::Gse& gse, std::int64_t receipt_ns) {
   if (records_.size() >= capacity_) records_.pop_front();
   records_.push_back({gse, receipt_ns, missing_before, ++listed_});
   return true;
+}
+
+std::string event_text(const EventRecord& record) {
+  const std::string lost = std::to_string(record.missing_before);
+  return bus::event_text(record.gse) + (record.missing_before == 0 ? "" : " (" + lost + " lost before)");
 }
 
 }  // namespace stationd::supervisor

@@ -21,6 +21,9 @@ struct EventRecord {
   std::uint64_t number = 0;          ///< counts the list's records from 1
 };
 
+/// One event in one line, with what was lost before it.
+std::string event_text(const EventRecord& record);
+
 class EventList {
  public:
   explicit EventList(std::size_t capacity) : capacity_(capacity) {}

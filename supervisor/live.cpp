@@ -3,10 +3,20 @@
 #include <algorithm>
 #include <array>
 
-#include "supervisor/text.hpp"
+#include "dds_bridge/text.hpp"
 
 namespace stationd::supervisor {
 namespace {
+
+using bus::code_text;
+using bus::columns_of;
+using bus::cut;
+using bus::fit;
+using bus::fit_right;
+using bus::printable;
+using bus::short_duration;
+using bus::state_text;
+using bus::step_text;
 
 constexpr std::string_view kGreen = "\x1b[32m", kRed = "\x1b[31m", kYellow = "\x1b[33m", kDim = "\x1b[2m",
                            kBold = "\x1b[1m", kPlain = "\x1b[0m";
@@ -59,11 +69,6 @@ std::string_view paint_of(const Model& model, const StationRecord& station, std:
   return station.in_state(StationState::FAULT) ? kRed : kYellow;
 }
 
-std::string step_of(const bus::Status& status) {
-  if (!status.STEP_NAME.empty()) return printable(status.STEP_NAME);
-  return status.STEP == 0 ? "-" : std::to_string(status.STEP);
-}
-
 /// What stands in the way, or why the station stands still.
 std::string remark_of(const StationRecord& station, const bus::Status& status) {
   if (status.FAULT != 0) return code_text(status.FAULT);
@@ -87,13 +92,13 @@ Row row_of(const Model& model, const StationRecord& station, std::int64_t now_ns
   const bool away = model.away(station, now_ns);
   row[kController] = printable(status.CONTROLLER);
   row[kState] = away ? "away" : state_text(status.STATE);
-  row[kStep] = step_of(status);
+  row[kStep] = step_text(status);
   row[kPiece] = status.PIECE == 0 ? "-" : std::to_string(status.PIECE);
   row[kScans] = std::to_string(status.SCANS);
   row[kMisses] = std::to_string(status.DEADLINE_MISSES);
-  row[kLateness] = duration_text(status.LATENESS_P99_NS) + "/" + duration_text(status.LATENESS_MAX_NS);
+  row[kLateness] = short_duration(status.LATENESS_P99_NS) + "/" + short_duration(status.LATENESS_MAX_NS);
   row[kFault] =
-      away ? "no Status for " + duration_text(now_ns - station.seen_ns) : remark_of(station, status);
+      away ? "no Status for " + short_duration(now_ns - station.seen_ns) : remark_of(station, status);
   return row;
 }
 
@@ -204,7 +209,7 @@ std::string one_line(const Model& model, std::int64_t now_ns) {
 
 std::string summary(const Model& model, std::int64_t now_ns, std::int64_t began_ns) {
   std::string out = std::to_string(model.pieces()) + " pieces counted at " + printable(model.count_at()) +
-                    " in " + duration_text(now_ns - began_ns) + "; " +
+                    " in " + short_duration(now_ns - began_ns) + "; " +
                     std::to_string(model.events().listed()) + " events, " +
                     std::to_string(model.events().missing()) + " lost\n";
   for (const StationRecord& station : model.stations()) {

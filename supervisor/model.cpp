@@ -4,10 +4,15 @@
 #include <utility>
 
 #include "dds_bridge/body.hpp"
-#include "supervisor/text.hpp"
+#include "dds_bridge/text.hpp"
 
 namespace stationd::supervisor {
 namespace {
+
+using bus::code_text;
+using bus::printable;
+using bus::short_duration;
+using bus::state_text;
 
 constexpr std::size_t kMaxStations = 1000;  // names come over the network
 constexpr std::size_t kMaxNotes = 1000;
@@ -232,7 +237,7 @@ void Model::note_away(std::int64_t now_ns) {
     if (now_away == noted_away_[i]) continue;
     noted_away_[i] = now_away;
     const std::string name = printable(stations_[i].name);
-    note(now_away ? name + " is away: no Status for " + duration_text(options_.stale_after_ns)
+    note(now_away ? name + " is away: no Status for " + short_duration(options_.stale_after_ns)
                   : name + " is back");
   }
 }

@@ -8,7 +8,6 @@
 #include "ctl/json.hpp"
 #include "ctl/output.hpp"
 #include "ctl/stats_text.hpp"
-#include "ctl/text.hpp"
 #include "scan/clock.hpp"
 
 using namespace stationd;
@@ -263,16 +262,6 @@ TEST_CASE("histogram of the whole range has a row for each of 1, 2, 5, 10 [SCAN-
   std::uint64_t total = 0;
   for (const std::string& line : lines) total += std::stoull(line.substr(line.find("  ", 12)));
   CHECK(total == Buckets::kCount);
-}
-
-TEST_CASE("texts from the network cannot move the cursor") {
-  CHECK(printable("a\x1b[2Jb\nc") == "a?[2Jb?c");
-  CHECK(printable("a\nb\x1b", true) == "a\nb?");
-  bus::Gse gse;
-  gse.STATION = "r\x1b";
-  gse.TEXT = "\x07";
-  CHECK(event_text(gse).find('\x1b') == std::string::npos);
-  CHECK(event_text(gse).find('\x07') == std::string::npos);
 }
 
 TEST_SUITE_END();

@@ -7,10 +7,11 @@
 #include <fstream>
 #include <string>
 
+#include "dds_bridge/text.hpp"
 #include "supervisor/arguments.hpp"
+#include "supervisor/events.hpp"
 #include "supervisor/live.hpp"
 #include "supervisor/state.hpp"
-#include "supervisor/text.hpp"
 
 using namespace stationd;
 using namespace stationd::supervisor;
@@ -102,7 +103,7 @@ TEST_CASE("no line is wider than the terminal, and what matters most stays") {
   for (std::size_t width = 1; width < 170; ++width) {
     ViewOptions options;
     options.width = width;
-    for (const std::string& line : render(model, 1 * ms, options)) CHECK(columns_of(line) <= width);
+    for (const std::string& line : render(model, 1 * ms, options)) CHECK(bus::columns_of(line) <= width);
   }
   const std::string narrow = view(model, 40);
   CHECK(narrow.find("storage") != std::string::npos);
@@ -154,48 +155,16 @@ TEST_CASE("the summary tells pieces, misses and lost events") {
   CHECK(text.find("3 deadline misses in 12345 scans") != std::string::npos);
 }
 
-TEST_SUITE_END();
-
-TEST_SUITE_BEGIN("supervisor texts");
-
-TEST_CASE("durations, codes and states as people read them") {
-  CHECK(duration_text(870) == "870ns");
-  CHECK(duration_text(12'400) == "12us");
-  CHECK(duration_text(1'340'000) == "1.3ms");
-  CHECK(duration_text(2'100'000'000) == "2.1s");
-  CHECK(duration_text(INT64_MIN).starts_with("-"));
-  CHECK(code_text(1101) == "ST1101 field device lost");
-  CHECK(code_text(123456) == "ST123456");
-  CHECK(code_text(0).empty());
-  CHECK(state_text(3) == "FAULT");
-  CHECK(state_text(77) == "STATE 77");
-}
-
-TEST_CASE("fit counts characters, not bytes") {
-  CHECK(fit("Käfig", 6) == "Käfig ");
-  CHECK(fit("Käfigtür", 6) == "Käfig~");
-  CHECK(fit_right("12", 4) == "  12");
-  CHECK(fit("abc", 0).empty());
-}
-
-TEST_CASE("an event's line says gone, still and lost before") {
+TEST_CASE("an event's line says how many were lost before it [ASE-2]") {
   EventRecord record;
   record.gse.STATION = "robot";
   record.gse.STATUS = 1101;
   record.gse.SEVERITY = 1;
   record.gse.SEQ = 4;
-  CHECK(event_text(record) == "--:--:-- robot warning gone: ST1101 field device lost");
   record.gse.ACTIVE = true;
-  record.gse.EDGE = false;
+  CHECK(event_text(record) == "--:--:-- robot warning ST1101 field device lost");
   record.missing_before = 2;
-  CHECK(event_text(record) == "--:--:-- robot warning ST1101 field device lost (still) (2 lost before)");
-}
-
-TEST_CASE("a Table 4 event has ERROR and STATUS alone") {
-  EventRecord record;
-  record.gse.ERROR = true;
-  record.gse.STATUS = 7;
-  CHECK(event_text(record) == "--:--:-- (no name) fault ST0007");
+  CHECK(event_text(record) == "--:--:-- robot warning ST1101 field device lost (2 lost before)");
 }
 
 TEST_SUITE_END();

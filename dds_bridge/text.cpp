@@ -1,4 +1,4 @@
-#include "ctl/text.hpp"
+#include "dds_bridge/text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include "scan/codes.hpp"
 
-namespace stationd::ctl {
+namespace stationd::bus {
 namespace {
 
 template <class... T> std::string formatted(const char* format, T... values) {
@@ -19,16 +19,15 @@ template <class... T> std::string formatted(const char* format, T... values) {
 
 bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
-std::size_t columns_of(std::string_view text) {
-  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return !continues(c); }));
-}
-
-std::string cut(std::string text, std::size_t width) {
-  if (width == 0 || columns_of(text) <= width) return text;
+/// Bytes that the first `columns` code points take.
+std::size_t bytes_of(std::string_view text, std::size_t columns) {
   std::size_t at = 0;
-  for (std::size_t columns = 0; columns + 1 < width; ++columns)
-    for (++at; at < text.size() && continues(text[at]);) ++at;
-  return text.substr(0, at) + "~";
+  while (at < text.size() && columns > 0) {
+    ++at;
+    while (at < text.size() && continues(text[at])) ++at;
+    --columns;
+  }
+  return at;
 }
 
 }  // namespace
@@ -45,7 +44,34 @@ std::string printable(std::string_view text, bool lines) {
   return out;
 }
 
+std::size_t columns_of(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return !continues(c); }));
+}
+
+std::string cut(std::string_view text, std::size_t width) {
+  if (columns_of(text) <= width) return std::string(text);
+  if (width == 0) return {};
+  return std::string(text.substr(0, bytes_of(text, width - 1))) + "~";
+}
+
+std::string fit(std::string_view text, std::size_t width) {
+  std::string out = cut(text, width);
+  out.append(width - columns_of(out), ' ');
+  return out;
+}
+
+std::string fit_right(std::string_view text, std::size_t width) {
+  const std::string out = cut(text, width);
+  return std::string(width - columns_of(out), ' ') + out;
+}
+
+std::string count_text(std::uint64_t count, std::string_view noun) {
+  const std::string one = std::to_string(count) + " " + std::string(noun);
+  return count == 1 ? one : one + (noun.ends_with('s') ? "es" : "s");
+}
+
 std::string short_duration(std::int64_t ns) {
+  if (ns < 0) return "-" + short_duration(ns == INT64_MIN ? INT64_MAX : -ns);
   const auto value = static_cast<double>(ns);
   if (ns < 1'000) return formatted("%.0fns", value);
   if (ns < 1'000'000) return formatted("%.0fus", value / 1e3);
@@ -71,6 +97,11 @@ std::string severity_text(std::uint32_t severity) {
   return std::string(name_of(static_cast<Severity>(std::min(severity, 2U))));
 }
 
+std::string step_text(const Status& status) {
+  if (!status.STEP_NAME.empty()) return printable(status.STEP_NAME);
+  return status.STEP == 0 ? "-" : std::to_string(status.STEP);
+}
+
 std::string time_text(std::int64_t utc_ns) {
   if (utc_ns <= 0) return "--:--:--";
   const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
@@ -79,35 +110,18 @@ std::string time_text(std::int64_t utc_ns) {
   return formatted("%02d:%02d:%02d", parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
-std::string event_text(const bus::Gse& gse) {
+std::string event_text(const Gse& gse) {
   std::string out = time_text(gse.SOURCE_TIME) + " ";
   out += gse.STATION.empty() ? "(no name)" : printable(gse.STATION);
   const bool plain = gse.SEQ == 0;  // a Table 4 writer says no more than ERROR and STATUS
   const std::uint32_t severity = plain && gse.ERROR ? 2 : gse.SEVERITY;
   const bool gone = severity != 0 && !(plain ? gse.ERROR : gse.ACTIVE);
-  out += " " + severity_text(severity) + " " + (gone ? "gone: " : "") + code_text(gse.STATUS);
+  out += " " + severity_text(severity) + " " + (gone ? "gone: " : "");
+  out += gse.STATUS == 0 && gse.TEXT.empty() ? "(no code)" : code_text(gse.STATUS);
   if (!gse.EDGE && !gone) out += " (still)";
   const CodeInfo* info = find_code(gse.STATUS);
   if (!gse.TEXT.empty() && (info == nullptr || gse.TEXT != info->name)) out += ": " + printable(gse.TEXT);
   return out;
 }
 
-std::vector<std::string> aligned(const std::vector<std::vector<std::string>>& rows,
-                                 const std::vector<bool>& right, std::size_t width) {
-  std::vector<std::size_t> widths(right.size(), 0);
-  for (const auto& row : rows)
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], columns_of(row[c]));
-  std::vector<std::string> lines;
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      const std::string padding(widths[c] - columns_of(row[c]), ' ');
-      line += (c == 0 ? "" : "  ") + (right[c] ? padding + row[c] : row[c] + padding);
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    lines.push_back(cut(std::move(line), width));
-  }
-  return lines;
-}
-
-}  // namespace stationd::ctl
+}  // namespace stationd::bus
