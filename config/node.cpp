@@ -6,6 +6,7 @@
 #include <toml++/toml.h>
 
 #include "config/expand.hpp"
+#include "config/syntax.hpp"
 
 namespace stationd::config {
 namespace {
@@ -78,7 +79,8 @@ Node parse_toml(std::string_view text, Problems& problems) {
     const toml::table table = toml::parse(text);
     convert_members(table, root, problems);
   } catch (const toml::parse_error& error) {
-    problems.add(position_of(error.source()), {}, "not TOML: " + std::string(error.description()));
+    const Position at = position_of(error.source());
+    problems.add(at, {}, syntax_error_text(text, at, error.description()));
   }
   return root;
 }
