@@ -310,6 +310,7 @@ void check_overlaps(const Configuration& configuration, Problems& problems) {
 }
 
 void check_programs(Configuration& configuration, const ProgramCatalogue& programs, Problems& problems) {
+  std::vector<std::string> told;  // a refusal that several stations share, such as that of a recipe
   for (StationConfig& station : configuration.stations) {
     if (station.program.empty()) continue;
     const std::vector<std::string_view> names(programs.names.begin(), programs.names.end());
@@ -327,6 +328,8 @@ void check_programs(Configuration& configuration, const ProgramCatalogue& progra
       const ProgramTags tags = programs.tags(station.program, options);
       StationCheck(station, tags, problems).run();
     } catch (const SetupError& error) {
+      if (std::ranges::find(told, error.what()) != told.end()) continue;
+      told.emplace_back(error.what());
       problems.add(station.program_position, path + ".program", error.what());
     }
   }

@@ -215,13 +215,15 @@ void load_recipes(const Node& root, Configuration& configuration, Problems& prob
     const Section section(*tables[i], kRecipeKeys, "recipe[" + std::to_string(i + 1) + "]", problems);
     Recipe recipe;
     section.text("name", recipe.name);
-    if (section.integer("code", recipe.code, 1, std::numeric_limits<std::uint32_t>::max()))
-      for (const Recipe& other : configuration.recipes)
-        if (other.code == recipe.code)
-          section.problem("code",
-                          "found " + std::to_string(recipe.code) + " a second time; codes must differ");
+    constexpr std::uint32_t most = std::numeric_limits<std::uint32_t>::max();
+    if (!section.integer("code", recipe.code, 1, most)) recipe.code = most - static_cast<std::uint32_t>(i);
+    const auto same = [&](const Recipe& other) { return other.code == recipe.code; };
+    const bool twice = std::ranges::any_of(configuration.recipes, same);
+    if (twice)
+      section.problem("code", "found " + std::to_string(recipe.code) + " a second time; codes must differ");
     load_recipe_values(section, recipe);
-    configuration.recipes.push_back(std::move(recipe));
+    // What is reported here is kept from the programs, each of which would report it again.
+    if (!twice) configuration.recipes.push_back(std::move(recipe));
   }
 }
 

@@ -54,6 +54,9 @@ TEST_CASE("program that refuses its recipes becomes a problem of its station [CF
   };
   const auto loaded = parse_controller(kGoodController, "c1.toml", &catalogue);
   CHECK(all_of(loaded.problems) == "c1.toml:12:11: station.press.program: recipe 1: no lid\n");
+  const std::string two =
+      std::string(kGoodController) + "[[station]]\nname = \"second\"\nprogram = \"presser\"\n";
+  CHECK(parse_controller(two, "c1.toml", &catalogue).problems.size() == 1);
 }
 
 TEST_CASE("tag of another area or type than the program's is refused [CFG-1]") {

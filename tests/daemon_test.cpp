@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include "config/config.hpp"
@@ -35,6 +37,19 @@ std::string field(const MissReport::Line& line, const std::string& name) {
 }
 
 }  // namespace
+
+TEST_CASE("Recipe that is given twice is reported once, however many stations take it (CFG-1)") {
+  const config::ProgramCatalogue catalogue = program_catalogue();
+  const std::filesystem::path file =
+      std::filesystem::path(STATIOND_SOURCE_DIR) / "config/cell-in-process.toml";
+  std::ifstream in(file);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  REQUIRE(text.find("code = 102") != std::string::npos);
+  text.replace(text.find("code = 102"), 10, "code = 101");
+  const auto loaded = config::parse_controller(text, "cell.toml", &catalogue);
+  REQUIRE(loaded.problems.size() == 1);
+  CHECK(loaded.problems[0].text.find("found 101 a second time; codes must differ") != std::string::npos);
+}
 
 TEST_CASE("Miss report without a miss says nothing (SCAN-4)") {
   MissReport report("fast", {"robot"});
