@@ -246,6 +246,7 @@ Result<Configuration> parse_controller(std::string_view text, const std::filesys
   configuration.file = file;
   const Node root = parse_toml(text, problems);
   if (root.members.empty() && !problems.empty()) return {std::nullopt, problems.take()};
+  if (is_other_kind(root, FileKind::controller, problems)) return {std::nullopt, problems.take()};
   report_unknown_sections(root, controller_sections(), problems);
   load_controller_section(root, configuration, problems);
   load_log(root, configuration.log_level, problems);

@@ -28,6 +28,24 @@ void report_unknown_sections(const Node& root, std::span<const SectionKeys* cons
   }
 }
 
+bool is_other_kind(const Node& root, FileKind wanted, Problems& problems) {
+  static constexpr std::array<std::string_view, 4> of_controllers = {"controller", "task", "device",
+                                                                     "station"};
+  const Member* supervisor = root.find("supervisor");
+  const Member* controller = nullptr;
+  for (const std::string_view name : of_controllers)
+    if (controller == nullptr) controller = root.find(name);
+  const Member* stray = wanted == FileKind::controller ? supervisor : controller;
+  const Member* own = wanted == FileKind::controller ? controller : supervisor;
+  if (stray == nullptr || own != nullptr) return false;
+  const std::string program = wanted == FileKind::controller ? "stationd-supervisor" : "stationd";
+  problems.add(stray->position, {},
+               "this is a " + std::string(wanted == FileKind::controller ? "supervisor" : "controller") +
+                   "'s file; check it with " + program + " --check " + problems.file().string() +
+                   ", and run it with " + program);
+  return true;
+}
+
 const Node& single_table(const Node& root, std::string_view name, bool required, Problems& problems) {
   static const Node empty;
   const Member* given = root.find(name);

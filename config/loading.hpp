@@ -16,6 +16,12 @@ namespace stationd::config {
 void report_unknown_sections(const Node& root, std::span<const SectionKeys* const> sections,
                              Problems& problems);
 
+/// A file with `[supervisor]` and nothing of a controller; or with sections of a controller and no
+/// `[supervisor]`.
+enum class FileKind : std::uint8_t { controller, supervisor };
+/// True, and reported as the one problem, if the file is of the other kind than `wanted`.
+bool is_other_kind(const Node& root, FileKind wanted, Problems& problems);
+
 /// `[name]`: the table, or an empty one; reported if it is something else, or missing though `required`.
 const Node& single_table(const Node& root, std::string_view name, bool required, Problems& problems);
 /// `[[name]]`: the tables; reported if it is something else, or missing and `required`.

@@ -37,6 +37,7 @@ Result<SupervisorConfiguration> parse_supervisor(std::string_view text, const st
   supervisor.file = file;
   const Node root = parse_toml(text, problems);
   if (root.members.empty() && !problems.empty()) return {std::nullopt, problems.take()};
+  if (is_other_kind(root, FileKind::supervisor, problems)) return {std::nullopt, problems.take()};
   report_unknown_sections(root, supervisor_sections(), problems);
   load_log(root, supervisor.log_level, problems);
   load_bus(root, supervisor.bus, nullptr, problems);

@@ -14,6 +14,7 @@
 #include "daemon/exit_status.hpp"
 #include "daemon/notify.hpp"
 #include "daemon/write_safe.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/error.hpp"
 
@@ -210,14 +211,15 @@ int run_stationd(const std::vector<std::string>& arguments, const ProgramList& p
   const auto loaded = config::load_controller(command.file, &catalogue);
   if (!loaded) {
     for (const config::Problem& p : loaded.problems) std::fprintf(stderr, "%s\n", p.text.c_str());
-    std::fprintf(stderr, "stationd: %zu error%s in %s\n", loaded.problems.size(),
-                 loaded.problems.size() == 1 ? "" : "s", command.file.c_str());
+    std::fprintf(stderr, "stationd: %s in %s\n", bus::count_text(loaded.problems.size(), "error").c_str(),
+                 command.file.c_str());
     return kExitConfig;
   }
   switch (command.what) {
     case Command::What::check:
-      std::printf("%s: good: controller %s, %zu stations, %zu devices\n", command.file.c_str(),
-                  loaded.value->name.c_str(), loaded.value->stations.size(), loaded.value->devices.size());
+      std::printf("%s: good: controller %s, %s, %s\n", command.file.c_str(), loaded.value->name.c_str(),
+                  bus::count_text(loaded.value->stations.size(), "station").c_str(),
+                  bus::count_text(loaded.value->devices.size(), "device").c_str());
       return kExitOk;
     case Command::What::write_safe: return write_safe_outputs(*loaded.value);
     case Command::What::run: break;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/error.hpp"
 
@@ -169,8 +170,8 @@ std::string Controller::status_line() const {
     scans += t.task->figures().scans.load(std::memory_order_relaxed);
     misses += t.task->figures().deadline_misses.load(std::memory_order_relaxed);
   }
-  return std::to_string(stations_.size()) + " stations, " + std::to_string(scans) + " scans, " +
-         std::to_string(misses) + " deadline misses";
+  return bus::count_text(stations_.size(), "station") + ", " + bus::count_text(scans, "scan") + ", " +
+         bus::count_text(misses, "deadline miss");
 }
 
 }  // namespace stationd

@@ -1,11 +1,15 @@
 #include "supervisor/arguments.hpp"
 
+#include <array>
 #include <charconv>
+
+#include "config/units.hpp"
 
 namespace stationd::supervisor {
 
 const std::string_view kUsage =
     R"(usage: stationd-supervisor [OPTIONS] FILE
+       stationd-supervisor --check FILE    check FILE, say every error in it
 
 Starts the stations of a cell in the order that FILE (TOML) says, keeps them running, watches them and counts
 pieces. What an operator stopped, or what faulted, it does not start again: an operator does
@@ -27,6 +31,12 @@ its state in the same file; 73 the state cannot be written; 78 errors in FILE.
 )";
 
 namespace {
+
+std::string unknown_option(std::string_view word) {
+  static constexpr auto known = std::to_array<std::string_view>(
+      {"--check", "--live", "--observe", "--pieces", "--count-at", "--name", "--help", "--version"});
+  return "unknown option " + std::string(word) + config::suggestion(word.substr(0, word.find('=')), known);
+}
 
 /// Takes the options that have a value; `used` says how many words were read.
 bool take_valued(const std::vector<std::string_view>& words, std::size_t& at, Arguments& out) {
@@ -63,7 +73,9 @@ Arguments parse_arguments(const std::vector<std::string_view>& words) {
   Arguments out;
   for (std::size_t at = 0; at < words.size() && out.problem.empty(); ++at) {
     const std::string_view word = words[at];
-    if (word == "--live") {
+    if (word == "--check") {
+      out.check = true;
+    } else if (word == "--live") {
       out.live = true;
     } else if (word == "--observe") {
       out.observe = true;
@@ -72,7 +84,7 @@ Arguments parse_arguments(const std::vector<std::string_view>& words) {
     } else if (word == "--version") {
       out.version = true;
     } else if (word.starts_with("-")) {
-      if (!take_valued(words, at, out)) out.problem = "unknown option " + std::string(word);
+      if (!take_valued(words, at, out)) out.problem = unknown_option(word);
     } else if (out.file.empty()) {
       out.file = word;
     } else {

@@ -13,6 +13,7 @@ namespace stationd::supervisor {
 
 struct Arguments {
   std::string file;
+  bool check = false;  ///< only check FILE
   bool live = false;
   bool observe = false;
   bool help = false;

@@ -10,6 +10,7 @@ namespace {
 
 using bus::code_text;
 using bus::columns_of;
+using bus::count_text;
 using bus::cut;
 using bus::fit;
 using bus::fit_right;
@@ -153,7 +154,7 @@ std::string header(const Model& model, std::int64_t now_ns, const ViewOptions& o
     if (s.in_state(StationState::RUNNING) && !model.away(s, now_ns)) ++running;
   std::string text =
       printable(model.options().name) + (model.role() == Role::commanding ? "" : " (observing)");
-  text += " | " + std::to_string(model.pieces()) + " pieces at " + printable(model.count_at());
+  text += " | " + count_text(model.pieces(), "piece") + " at " + printable(model.count_at());
   text += " | " + std::to_string(running) + " of " + std::to_string(model.stations().size()) + " running";
   if (!options.title.empty()) text += " | " + printable(options.title);
   return painted(cut(text, options.width), kBold, options.color);
@@ -198,7 +199,7 @@ std::vector<std::string> render(const Model& model, std::int64_t now_ns, const V
 }
 
 std::string one_line(const Model& model, std::int64_t now_ns) {
-  std::string out = std::to_string(model.pieces()) + " pieces";
+  std::string out = count_text(model.pieces(), "piece");
   for (const StationRecord& station : model.stations()) {
     const Row row = row_of(model, station, now_ns);
     out += " | " + row[kName] + " " + row[kState];
@@ -208,20 +209,20 @@ std::string one_line(const Model& model, std::int64_t now_ns) {
 }
 
 std::string summary(const Model& model, std::int64_t now_ns, std::int64_t began_ns) {
-  std::string out = std::to_string(model.pieces()) + " pieces counted at " + printable(model.count_at()) +
+  std::string out = count_text(model.pieces(), "piece") + " counted at " + printable(model.count_at()) +
                     " in " + short_duration(now_ns - began_ns) + "; " +
-                    std::to_string(model.events().listed()) + " events, " +
+                    count_text(model.events().listed(), "event") + ", " +
                     std::to_string(model.events().missing()) + " lost\n";
   for (const StationRecord& station : model.stations()) {
     const PieceCount& count = station.pieces;
-    out += "  " + fit(printable(station.name), 10) + " " + std::to_string(count.counted) + " pieces";
+    out += "  " + fit(printable(station.name), 10) + " " + count_text(count.counted, "piece");
     if (count.missed != 0) out += ", " + std::to_string(count.missed) + " more finished unseen";
     if (count.faulty != 0) out += ", " + std::to_string(count.faulty) + " with errors";
     if (station.status) {
-      out += ", " + std::to_string(station.status->DEADLINE_MISSES) + " deadline misses in ";
-      out += std::to_string(station.status->SCANS) + " scans";
+      out += ", " + count_text(station.status->DEADLINE_MISSES, "deadline miss") + " in ";
+      out += count_text(station.status->SCANS, "scan");
     }
-    if (station.restarts != 0) out += ", restarted " + std::to_string(station.restarts) + " times";
+    if (station.restarts != 0) out += ", restarted " + count_text(station.restarts, "time");
     out += "\n";
   }
   return out;

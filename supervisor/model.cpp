@@ -10,6 +10,7 @@ namespace stationd::supervisor {
 namespace {
 
 using bus::code_text;
+using bus::count_text;
 using bus::printable;
 using bus::short_duration;
 using bus::state_text;
@@ -162,8 +163,8 @@ void Model::on_end(const bus::End& end, std::int64_t) {
   ++save_version_;
   const std::string name = printable(station->name);
   if (station->pieces.missed != missed)
-    note(name + ": " + std::to_string(station->pieces.missed - missed) +
-         " pieces finished unseen before this one");
+    note(name + ": " + count_text(station->pieces.missed - missed, "piece") +
+         " finished unseen before this one");
   note(name + " finished piece " + std::to_string(station->pieces.finished()) + ", code " +
        std::to_string(end.CODE) + (end.ERROR ? ", with error " + code_text(end.STATUS) : ""));
 }
@@ -172,7 +173,7 @@ void Model::on_gse(const bus::Gse& gse, std::int64_t now_ns) {
   if (!events_.add(gse, now_ns)) return;
   const EventRecord& record = events_.records().back();
   if (record.missing_before != 0)
-    note(printable(gse.STATION) + ": " + std::to_string(record.missing_before) + " events lost");
+    note(printable(gse.STATION) + ": " + count_text(record.missing_before, "event") + " lost");
   note("event " + event_text(record));
 }
 

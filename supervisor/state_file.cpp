@@ -16,6 +16,14 @@ namespace {
 
 std::string why(const std::filesystem::path& file) { return file.string() + ": " + std::strerror(errno); }
 
+/// The error that keeps the supervisor from starting, and what to do about it.
+[[noreturn]] void refuse(const std::string& what) {
+  throw SetupError(
+      "the state cannot be written: " + what +
+      "; set [supervisor] state_dir or $STATE_DIRECTORY to a directory that this user may write, "
+      "or take --observe, which saves nothing");
+}
+
 bool write_all(int fd, std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = ::write(fd, text.data(), text.size());
@@ -47,16 +55,16 @@ FileStateStore::FileStateStore(std::filesystem::path file) : file_(std::move(fil
   const std::filesystem::path folder = file_.parent_path();
   std::error_code error;
   if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  if (error) throw SetupError(folder.string() + ": " + error.message());
+  if (error) refuse(folder.string() + ": " + error.message());
   const std::string lock = file_.string() + ".lock";
   while (lock_fd_ < 0) {
     lock_fd_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (lock_fd_ < 0) throw SetupError(why(lock));
+    if (lock_fd_ < 0) refuse(why(lock));
     if (::flock(lock_fd_, LOCK_EX | LOCK_NB) != 0) {
       const bool taken = errno == EWOULDBLOCK;
       const std::string text = why(lock);
       ::close(lock_fd_);
-      if (!taken) throw SetupError(text);
+      if (!taken) refuse(text);
       throw StateTaken(file_.string() +
                        ": another supervisor keeps its state there; end it, or start this "
                        "one with --observe");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/config.hpp"
+#include "dds_bridge/text.hpp"
 #include "scan/error.hpp"
 #include "supervisor/application.hpp"
 #include "supervisor/arguments.hpp"
@@ -68,7 +69,13 @@ int main(int argc, char** argv) {
   const auto loaded = config::load_supervisor(arguments.file);
   if (!loaded) {
     for (const config::Problem& problem : loaded.problems) std::fprintf(stderr, "%s\n", problem.text.c_str());
-    return kConfigError;
+    return fail(kConfigError, bus::count_text(loaded.problems.size(), "error") + " in " + arguments.file);
+  }
+  if (arguments.check) {
+    const config::SupervisorConfiguration& good = *loaded.value;
+    std::printf("%s: good: supervisor %s, %s\n", arguments.file.c_str(), good.name.c_str(),
+                bus::count_text(good.stations.size(), "station").c_str());
+    return kOk;
   }
   try {
     return supervise(*loaded.value, arguments);

@@ -191,6 +191,18 @@ TEST_CASE("supervisor file names stations, its journal and its state directory [
   CHECK(loaded.value->bus.domain == 3);
 }
 
+TEST_CASE("file of the other kind is one problem that names the right program [CFG-1]") {
+  const std::string supervisor = "[bus]\ndomain = 1\n[supervisor]\nstations = [\"a\"]\nunknown = 1\n";
+  CHECK(all_of(parse_controller(supervisor, "s.toml").problems) ==
+        "s.toml:3:2: this is a supervisor's file; check it with stationd-supervisor --check s.toml, and run "
+        "it with stationd-supervisor\n");
+  CHECK(all_of(parse_supervisor(kGoodController, "c1.toml").problems) ==
+        "c1.toml:2:2: this is a controller's file; check it with stationd --check c1.toml, and run it with "
+        "stationd\n");
+  CHECK(contains(all_of(parse_supervisor(supervisor + "[controller]\n", "s").problems), "unknown section"));
+  CHECK(contains(all_of(parse_controller("[bus]\n", "c").problems), "controller: missing"));
+}
+
 TEST_CASE("supervisor file without stations or with one twice is refused [CFG-2]") {
   CHECK(contains(all_of(parse_supervisor("[supervisor]\n", "s").problems), "supervisor.stations: missing"));
   CHECK(contains(all_of(parse_supervisor("[supervisor]\nstations = [\"a\", \"a\"]\n", "s").problems),

@@ -92,7 +92,7 @@ TEST_SUITE_BEGIN("supervisor view");
 TEST_CASE("a wide view shows every column and the last ten events") {
   const std::string text = view(cell(), 160);
   for (const char* part :
-       {"1 pieces at storage", "1 of 2 running", "storage", "controller2", "RUNNING", "to shelf", "102",
+       {"1 piece at storage", "1 of 2 running", "storage", "controller2", "RUNNING", "to shelf", "102",
         "12345", "87us/1.3ms", "not seen", "ST1101 field device lost", "Ctrl-C"})
     CHECK_MESSAGE(text.find(part) != std::string::npos, part);
   CHECK(std::ranges::count(text, '\n') == 2 + 3 + 1 + 1 + 10 + 2);
@@ -121,7 +121,7 @@ TEST_CASE("no more lines than the terminal has") {
 
 TEST_CASE("a station whose Status is old is away") {
   CHECK(view(cell(), 160, 0, 1500 * ms).find("away") != std::string::npos);
-  CHECK(one_line(cell(), 1 * ms) == "1 pieces | storage RUNNING | robot not seen");
+  CHECK(one_line(cell(), 1 * ms) == "1 piece | storage RUNNING | robot not seen");
 }
 
 TEST_CASE("color changes nothing but the paint") {
@@ -151,7 +151,7 @@ TEST_CASE("names from the network cannot move the cursor") {
 
 TEST_CASE("the summary tells pieces, misses and lost events") {
   const std::string text = summary(cell(), 3'000 * ms, 0);
-  CHECK(text.starts_with("1 pieces counted at storage in 3.0s; 15 events, 0 lost\n"));
+  CHECK(text.starts_with("1 piece counted at storage in 3.0s; 15 events, 0 lost\n"));
   CHECK(text.find("3 deadline misses in 12345 scans") != std::string::npos);
 }
 
@@ -225,8 +225,15 @@ TEST_CASE("a second supervisor on the same file is refused") {
   CHECK_THROWS_AS(FileStateStore(folder.path / "state"), StateTaken);
 }
 
-TEST_CASE("a folder that cannot be made is one clear error") {
-  CHECK_THROWS_AS(FileStateStore("/proc/nowhere/state"), SetupError);
+TEST_CASE("a folder that cannot be made is one clear error with its remedy [SYS-7]") {
+  std::string said;
+  try {
+    const FileStateStore store("/proc/nowhere/state");
+  } catch (const SetupError& error) {
+    said = error.what();
+  }
+  CHECK(said.starts_with("the state cannot be written: /proc/nowhere: "));
+  CHECK(said.find("set [supervisor] state_dir or $STATE_DIRECTORY") != std::string::npos);
 }
 
 TEST_SUITE_END();
@@ -238,6 +245,8 @@ TEST_CASE("all options") {
       {"--live", "cell.toml", "--observe", "--pieces", "20", "--name=panel", "--count-at", "sealer"});
   CHECK(a.problem.empty());
   CHECK(a.file == "cell.toml");
+  CHECK_FALSE(a.check);
+  CHECK(parse_arguments({"--check", "cell.toml"}).check);
   CHECK(a.live);
   CHECK(a.observe);
   CHECK(a.pieces == 20);
@@ -248,8 +257,8 @@ TEST_CASE("all options") {
 TEST_CASE("what is wrong is said") {
   CHECK(parse_arguments({}).problem == "FILE is missing");
   CHECK(parse_arguments({"a", "b"}).problem == "one FILE only, not also b");
-  CHECK(parse_arguments({"a", "--lively"}).problem == "unknown option --lively");
-  CHECK(parse_arguments({"a", "--lively=3"}).problem == "unknown option --lively=3");
+  CHECK(parse_arguments({"a", "--lively"}).problem == "unknown option --lively; did you mean \"--live\"?");
+  CHECK(parse_arguments({"a", "--lively=3"}).problem.starts_with("unknown option --lively=3"));
   CHECK(parse_arguments({"a", "--pieces"}).problem == "--pieces needs a value");
   CHECK(parse_arguments({"a", "--pieces", "many"}).problem ==
         "--pieces needs a number of at least 1, not many");

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Bad input gets one clear message and an exit status of its own, and nothing is driven."""
 
+import pathlib
 import subprocess
 
 from cell import BIN, ROOT, Cell, check, run, wait_for
 
 
-def stationd(cell, *arguments):
-    environment = dict(cell.environment, STATE_DIRECTORY=str(cell.work))
+def stationd(cell, *arguments, program="stationd", state=None):
+    environment = dict(cell.environment, STATE_DIRECTORY=str(state or cell.work))
     return subprocess.run(
-        [str(BIN / "stationd"), *map(str, arguments)],
+        [str(BIN / program), *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=60,
@@ -49,6 +50,33 @@ def files(cell):
         expect(f"{name} as shipped", stationd(cell, "--check", ROOT / "config" / f"{name}.toml"), 0, "good")
 
 
+def supervisors(cell):
+    """The supervisor's file has a check of its own, and neither program takes the other's (CFG-1, SYS-7)."""
+
+    def supervisor(*arguments, **options):
+        return stationd(cell, *arguments, program="stationd-supervisor", **options)
+
+    shipped = ROOT / "config" / "supervisor.toml"
+    expect("the supervisor's file as shipped", supervisor("--check", shipped), 0, "supervisor.toml: good")
+    expect("a good file has one line", supervisor(shipped, "--check"), 0, "4 stations\n")
+    expect(
+        "its file given to stationd", stationd(cell, "--check", shipped), 78, "stationd-supervisor --check"
+    )
+    other = ROOT / "config" / "controller1.toml"
+    expect(
+        "a controller's file given to it", supervisor("--check", other), 78, "stationd --check", "1 error "
+    )
+    broken = cell.work / "supervisor.toml"
+    broken.write_text(shipped.read_text().replace("start_repeat", "strat_repeat").replace('"1s"', "1s"))
+    expect("a syntax error", supervisor("--check", broken), 78, "syntax error", 'stale_after = "1s"')
+    broken.write_text(shipped.read_text().replace("start_repeat", "strat_repeat").replace('"1s"', '"1y"'))
+    expect("all its errors at once", supervisor(broken), 78, "start_repeat", "1y", "2 errors in")
+    state = pathlib.Path("/proc/nowhere")
+    expect(
+        "a state that cannot be kept", supervisor(shipped, state=state), 73, "$STATE_DIRECTORY", "--observe"
+    )
+
+
 def ports(cell):
     second = subprocess.run(
         [str(BIN / "plantsim"), "--port", str(cell.port)],
@@ -85,6 +113,7 @@ def silence(cell):
 def scenario():
     with Cell() as cell:
         files(cell)
+        supervisors(cell)
         cell.start_plant()
         ports(cell)
         cell.start_controller("controller1")

@@ -80,7 +80,7 @@ def scenario():
         wait_for(
             "STATUS shows scans and misses",
             lambda: any(
-                line.startswith("STATUS=") and "scans" in line and "misses" in line
+                line.startswith("STATUS=") and "scan" in line and "miss" in line
                 for line in notifications.read()
             ),
         )
