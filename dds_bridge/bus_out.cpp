@@ -28,6 +28,22 @@ StatusRecord of_hung(StatusRecord record) {
   return record;
 }
 
+/// The device or the remote station that was lost or is back; empty for any other event.
+std::string source_of(Station& station, const Event& event) {
+  if (event.code != code::device_lost && event.code != code::remote_lost) return {};
+  const auto& links = event.code == code::device_lost ? station.device_inputs() : station.bus_inputs();
+  const auto index = static_cast<std::size_t>(event.detail);
+  return index < links.size() ? links[index]->source : std::string();
+}
+
+/// "field device lost: remote-io-1"
+std::string text_of(Station& station, const Event& event) {
+  const CodeInfo* info = find_code(event.code);
+  if (info == nullptr) return code_id(event.code);
+  const std::string source = source_of(station, event);
+  return clipped(std::string(info->name) + (source.empty() ? "" : ": ") + source, kTextBound);
+}
+
 }  // namespace
 
 BusOut::BusOut(Context& context, EventWriter& events) : context_(context), events_(events) {
@@ -94,7 +110,7 @@ void BusOut::send_events(Out& out) {
   }
 }
 
-void BusOut::send_event(const Station& station, const Event& event) {
+void BusOut::send_event(Station& station, const Event& event) {
   Gse gse;
   gse.ERROR = event.active && event.severity != Severity::info;
   gse.STATUS = event.code;
@@ -106,8 +122,7 @@ void BusOut::send_event(const Station& station, const Event& event) {
   gse.EDGE = event.edge;
   gse.SOURCE_TIME = event.utc_ns;
   gse.DETAIL = event.detail;
-  const CodeInfo* info = find_code(event.code);
-  gse.TEXT = info == nullptr ? code_id(event.code) : clipped(info->name, kTextBound);
+  gse.TEXT = text_of(station, event);
   events_.put(std::move(gse));
 }
 

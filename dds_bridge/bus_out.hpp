@@ -59,7 +59,7 @@ class BusOut {
 
   Pv make_pv(const Station& station, PvLink& link) const;
   void send_events(Out& out);
-  void send_event(const Station& station, const Event& event);
+  void send_event(Station& station, const Event& event);
   void send_pvs(Out& out);
   template <class T> void send_pv(const Pv& pv, const Station& station, const Slot* slots, T& message);
   void send_status(Out& out, std::int64_t now_ns);

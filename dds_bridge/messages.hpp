@@ -43,7 +43,7 @@ struct Gse {
   bool EDGE = true;              ///< false: announced as still active after a restart
   std::int64_t SOURCE_TIME = 0;  ///< UTC nanoseconds
   std::int64_t DETAIL = 0;
-  std::string TEXT;
+  std::string TEXT;  ///< the code's name; for one that was lost ": " and its name
 };
 
 enum class Order : std::uint32_t { START = 0, STOP = 1, MSG = 2 };

@@ -30,6 +30,12 @@ std::size_t bytes_of(std::string_view text, std::size_t columns) {
   return at;
 }
 
+/// "+01:00"
+std::string offset_text(long seconds) {
+  const long minutes = (seconds < 0 ? -seconds : seconds) / 60;
+  return formatted("%c%02ld:%02ld", seconds < 0 ? '-' : '+', minutes / 60, minutes % 60);
+}
+
 }  // namespace
 
 std::string printable(std::string_view text, bool lines) {
@@ -102,12 +108,42 @@ std::string step_text(const Status& status) {
   return status.STEP == 0 ? "-" : std::to_string(status.STEP);
 }
 
+std::string zone_text(std::int64_t utc_ns) {
+  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
+  std::tm parts{};
+  if (localtime_r(&seconds, &parts) == nullptr) return "UTC";
+  const std::string name = parts.tm_zone == nullptr ? "" : parts.tm_zone;
+  if (parts.tm_gmtoff == 0 && (name.empty() || name == "UTC")) return "UTC";
+  const std::string offset = "UTC" + offset_text(parts.tm_gmtoff);
+  return name.empty() || name[0] == '+' || name[0] == '-' ? offset : name + ", " + offset;
+}
+
+std::string iso_time(std::int64_t utc_ns) {
+  const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
+  std::tm parts{};
+  if (utc_ns <= 0 || localtime_r(&seconds, &parts) == nullptr) return {};
+  return formatted("%04d-%02d-%02dT%02d:%02d:%02d.%03d", parts.tm_year + 1900, parts.tm_mon + 1,
+                   parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec,
+                   static_cast<int>(utc_ns / 1'000'000 % 1'000)) +
+         offset_text(parts.tm_gmtoff);
+}
+
 std::string time_text(std::int64_t utc_ns) {
   if (utc_ns <= 0) return "--:--:--";
   const auto seconds = static_cast<std::time_t>(utc_ns / 1'000'000'000);
   std::tm parts{};
   if (localtime_r(&seconds, &parts) == nullptr) return "--:--:--";
   return formatted("%02d:%02d:%02d", parts.tm_hour, parts.tm_min, parts.tm_sec);
+}
+
+std::string event_source(const Gse& gse) {
+  const CodeInfo* info = find_code(gse.STATUS);
+  std::string_view text = gse.TEXT;
+  if (info != nullptr && text.starts_with(info->name)) {
+    text.remove_prefix(info->name.size());
+    if (text.starts_with(": ")) text.remove_prefix(2);
+  }
+  return std::string(text);
 }
 
 std::string event_text(const Gse& gse) {
@@ -119,9 +155,8 @@ std::string event_text(const Gse& gse) {
   out += " " + severity_text(severity) + " " + (gone ? "gone: " : "");
   out += gse.STATUS == 0 && gse.TEXT.empty() ? "(no code)" : code_text(gse.STATUS);
   if (!gse.EDGE && !gone) out += " (still)";
-  const CodeInfo* info = find_code(gse.STATUS);
-  if (!gse.TEXT.empty() && (info == nullptr || gse.TEXT != info->name)) out += ": " + printable(gse.TEXT);
-  return out;
+  const std::string rest = event_source(gse);
+  return rest.empty() ? out : out + ": " + printable(rest);
 }
 
 }  // namespace stationd::bus

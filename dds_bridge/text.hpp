@@ -45,6 +45,14 @@ std::string step_text(const Status& status);
 /// Local time of day, "14:03:59"; "--:--:--" for 0.
 std::string time_text(std::int64_t utc_ns);
 
+/// The zone of local times then: "CET, UTC+01:00", or "UTC".
+std::string zone_text(std::int64_t utc_ns);
+/// ISO 8601 in local time, "2026-03-01T14:03:59.250+01:00"; empty for 0.
+std::string iso_time(std::int64_t utc_ns);
+
+/// What the event is about beside its station: the lost device, or what its TEXT says beyond the code's
+/// name.
+std::string event_source(const Gse& gse);
 /// "14:03:59 robot fault ST2104 gripper holds an unknown part": one event in one line.
 std::string event_text(const Gse& gse);
 

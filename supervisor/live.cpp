@@ -163,6 +163,7 @@ std::string header(const Model& model, std::int64_t now_ns, const ViewOptions& o
 void append_events(std::vector<std::string>& lines, const Model& model, const ViewOptions& options) {
   const auto& records = model.events().records();
   std::string title = "Last events";
+  if (!records.empty()) title += ", times in " + bus::zone_text(records.back().gse.SOURCE_TIME);
   if (model.events().missing() != 0) title += " (" + std::to_string(model.events().missing()) + " lost)";
   lines.push_back(painted(cut(title, options.width), kBold, options.color));
   const std::size_t shown = std::min(options.events, records.size());

@@ -1,6 +1,9 @@
 // Texts that the tools write for people: numbers, codes, states, events.
 #include <doctest/doctest.h>
 
+#include <cstdlib>
+#include <ctime>
+
 #include "dds_bridge/text.hpp"
 
 namespace stationd::bus {
@@ -52,6 +55,42 @@ TEST_CASE("an event's line says whether it is gone or still there [SYS-7]") {
   gse.ACTIVE = true;
   gse.EDGE = false;
   CHECK(event_text(gse) == "--:--:-- robot warning ST1101 field device lost (still)");
+}
+
+TEST_CASE("an event's line names the device that was lost [ASE-3]") {
+  Gse gse;
+  gse.STATION = "robot";
+  gse.STATUS = 1101;
+  gse.SEVERITY = 1;
+  gse.SEQ = 4;
+  gse.ACTIVE = true;
+  gse.TEXT = "field device lost";
+  CHECK(event_text(gse) == "--:--:-- robot warning ST1101 field device lost");
+  gse.TEXT = "field device lost: remote-io-1";
+  CHECK(event_text(gse) == "--:--:-- robot warning ST1101 field device lost: remote-io-1");
+  CHECK(event_source(gse) == "remote-io-1");
+  gse.STATUS = 9999;
+  gse.TEXT = "tank is empty";
+  CHECK(event_text(gse) == "--:--:-- robot warning ST9999: tank is empty");
+}
+
+TEST_CASE("a time has its zone [SYS-7]") {
+  const std::int64_t time_ns = 1'767'225'600'250'000'000;  // 2026-01-01T00:00:00.25Z
+  ::setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3", 1);
+  ::tzset();
+  CHECK(iso_time(time_ns) == "2026-01-01T01:00:00.250+01:00");
+  CHECK(time_text(time_ns) == "01:00:00");
+  CHECK(zone_text(time_ns) == "CET, UTC+01:00");
+  ::setenv("TZ", "<-0330>3:30", 1);
+  ::tzset();
+  CHECK(iso_time(time_ns) == "2025-12-31T20:30:00.250-03:30");
+  CHECK(zone_text(time_ns) == "UTC-03:30");
+  ::setenv("TZ", "UTC0", 1);
+  ::tzset();
+  CHECK(zone_text(time_ns) == "UTC");
+  ::unsetenv("TZ");
+  ::tzset();
+  CHECK(iso_time(0).empty());
 }
 
 TEST_CASE("a Table 4 event has ERROR and STATUS alone [ASE-4]") {
