@@ -12,6 +12,7 @@ namespace {
 
 using bus::code_id;
 using bus::printable;
+using bus::short_duration;
 using bus::state_text;
 
 using Words = std::vector<std::string>;
@@ -64,7 +65,9 @@ std::string status_of(const Model& model, const StationRecord& station, std::int
     out += " fault=" + (s.FAULT == 0 ? "none" : code_id(s.FAULT));
     out += " warning=" + (s.WARNING == 0 ? "none" : code_id(s.WARNING));
     out += " controller=" + printable(s.CONTROLLER);
+    out += " age=" + short_duration(now_ns - station.seen_ns);
   }
+  out += station.configured ? " configured=true" : " configured=false";
   out += " pieces=" + std::to_string(station.pieces.finished());
   return out;
 }

@@ -429,6 +429,20 @@ TEST_CASE("status tells of one station, or of all in their order [REQ-4]") {
   CHECK(all.find("station=storage") < all.find("station=sealer"));
 }
 
+TEST_CASE(
+    "status tells how old the newest Status of a station is, and whether it is in the start order [SYS-7]") {
+  Model model(options());
+  model.on_status(status("storage", StationState::RUNNING), 0);
+  model.on_status(status("painter", StationState::RUNNING), 0);
+  const auto said = [&](const std::string& name) {
+    return answer(model, {"supervisor", "status " + name, bus::Order::MSG}, 12'500 * ms).BODY;
+  };
+  CHECK(said("storage").find(" state=away ") != std::string::npos);
+  CHECK(said("storage").find(" age=12.5s configured=true ") != std::string::npos);
+  CHECK(said("painter").find(" age=12.5s configured=false ") != std::string::npos);
+  CHECK(said("sealer") == "station=sealer state=away intent=run configured=true pieces=0");
+}
+
 TEST_CASE("pieces and help are answered") {
   CHECK(ask("pieces").BODY.starts_with("pieces=1 counted_at=storage\nstation=storage counted=1 missed=0"));
   CHECK(ask("help id=3").BODY.starts_with("id=3 describe CODE"));
