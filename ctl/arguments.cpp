@@ -12,7 +12,7 @@ namespace stationd::ctl {
 const std::string_view kUsage =
     R"(usage: stationctl [OPTIONS] COMMAND
 
-  list                          the stations that are on the bus now
+  list                          the stations that are on the bus now, and those that the supervisor misses
   watch [STATION] [--count N]   the same, again and again; --count ends after N samples
   start STATION|all [KEY=VALUE...]
                                 starts a station (with parameters) and waits until its Status confirms it
@@ -21,7 +21,7 @@ const std::string_view kUsage =
   msg STATION TEXT...           asks a station (or the supervisor) and prints its answer:
                                 status, describe CODE, get TAG, params, reset, histogram FIGURE;
                                 supervisor: pieces, help
-  reset STATION                 acknowledges a fault whose cause is gone
+  reset STATION|all             acknowledges a fault whose cause is gone; all: of every station in FAULT
   describe CODE                 what a code means, its cause and remedy; needs no station
   events [--follow] [--count N] what the stations reported; --follow goes on, --count takes the last (next) N
   stats [STATION] [--histogram] how its scans keep their time: lateness, execution, response, each phase;
@@ -33,7 +33,8 @@ Options:
   --cell NAME       name of the cell (default: $STATIOND_CELL, or assembly)
   --interface IP    this machine's IPv4 address to use; may be repeated; `all` for all (default: 127.0.0.1)
   --timeout T       how long to wait for an answer (default: 2s)
-  --json            one JSON object; watch and events: one a line
+  --json            one JSON object; watch and events: one a line. msg: the pairs of the answer as `values`
+                    (`rows` for several lines with the same keys)
   --version
 
 Exit status: 0 done; 1 the station refused or answered with an error; 2 no answer within the time-out; 3 no
@@ -153,6 +154,10 @@ class Parser {
     if (takes_name && out_.station.empty()) {
       if (word.empty()) return fail("an empty name");
       out_.station = word;
+    } else if (*command_ == Command::stop && word.starts_with("mode=")) {
+      stop_mode(word);  // as the order's body says it
+    } else if (*command_ == Command::stop) {
+      fail("stop takes --end-of-piece behind the station, not \"" + std::string(word) + "\"");
     } else if (takes_text && !out_.station.empty()) {
       if (*command_ == Command::start && word.find('=') == std::string_view::npos)
         return fail("start takes KEY=VALUE behind the station, not \"" + std::string(word) + "\"");
@@ -160,6 +165,14 @@ class Parser {
     } else if (*command_ != Command::help) {
       fail("one word too many: \"" + std::string(word) + "\"");
     }
+  }
+
+  void stop_mode(std::string_view word) {
+    if (word != "mode=end_of_piece" && word != "mode=immediate")
+      return fail(
+          "stop takes mode=immediate (the default) or mode=end_of_piece, which is --end-of-piece; not \"" +
+          std::string(word) + "\"");
+    out_.end_of_piece = word == "mode=end_of_piece";
   }
 
   void command(std::string_view word) {

@@ -86,9 +86,10 @@ bool Client::wait(std::int64_t until_ns, const std::function<bool()>& holds) {
   return changed_.wait_for(lock, std::chrono::nanoseconds(left_ns), holds);
 }
 
-Stations Client::settle(std::int64_t until_ns) {
-  std::unique_lock lock(mutex_);
+Stations Client::settle(std::int64_t until_ns, const std::function<void()>& meanwhile) {
   for (;;) {
+    if (meanwhile) meanwhile();
+    std::unique_lock lock(mutex_);
     const std::int64_t now_ns = monotonic_ns();
     const bool all_heard = static_cast<int>(writers_.size()) >= writers_alive_;
     const bool quiet = now_ns - newest_station_ns_ >= kQuiet_ns;

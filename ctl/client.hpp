@@ -32,8 +32,8 @@ class Client {
 
   /// Waits until `holds` is true of what was seen, at most until `until_ns`. The last value of it.
   bool wait(std::int64_t until_ns, const std::function<bool()>& holds);
-  /// Waits until no further station turns up, at most until `until_ns`.
-  Stations settle(std::int64_t until_ns);
+  /// Waits until no further station turns up, at most until `until_ns`; calls `meanwhile` every 50 ms or so.
+  Stations settle(std::int64_t until_ns, const std::function<void()>& meanwhile = {});
   /// All stations seen so far. Inside wait() use seen().
   Stations stations();
   /// Valid under wait() only: the stations, the replies to a request and all events.

@@ -6,6 +6,7 @@
 
 #include "ctl/client.hpp"
 #include "ctl/output.hpp"
+#include "ctl/supervisor.hpp"
 #include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
@@ -49,15 +50,19 @@ int run(const Arguments& arguments) {
 
 int list(const Arguments& arguments) {
   Client client(arguments);
-  const Stations stations = client.settle(monotonic_ns() + arguments.timeout_ns);
-  if (stations.empty()) return fail(arguments, kNoStation, no_station_text(arguments, stations));
+  SupervisorQuestion question(client);
+  const Stations stations =
+      client.settle(monotonic_ns() + arguments.timeout_ns, [&question] { question.ask(); });
+  const std::vector<Missing> missing = question.missing(stations);
+  if (stations.empty() && missing.empty())
+    return fail(arguments, kNoStation, no_station_text(arguments, stations));
   const std::int64_t now_ns = monotonic_ns();
   if (arguments.json) {
-    print_line(stations_json(stations, now_ns));
-    return kDone;
+    print_line(stations_json(stations, missing, now_ns));
+  } else {
+    for (const std::string& line : stations_table(stations, missing, now_ns, 0)) print_line(line);
   }
-  for (const std::string& line : stations_table(stations, now_ns, 0)) print_line(line);
-  return kDone;
+  return stations.empty() ? kNoStation : kDone;
 }
 
 int describe(const Arguments& arguments) {

@@ -7,6 +7,7 @@
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
+#include "ctl/replies.hpp"
 #include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
@@ -33,13 +34,6 @@ struct Order {
 
 StationState state_of(const bus::Status& status) {
   return static_cast<StationState>(std::min<std::uint32_t>(status.STATE, 3));
-}
-
-std::string fault_text(const bus::Status& status) {
-  const CodeInfo* info = find_code(status.FAULT);
-  std::string out = "it is in FAULT: " + code_text(status.FAULT);
-  if (info != nullptr) out += ". " + std::string(info->remedy);
-  return out + " Then: stationctl reset " + printable(status.STATION);
 }
 
 void settle(Order& order, Verdict verdict, std::string text) {
@@ -141,9 +135,15 @@ class Orders {
   void judge_reply(Order& order) {
     const bus::MsgRes* reply = client_.reply_to(order.id);
     if (reply == nullptr || !reply->ERROR) return;
-    const std::size_t blank = reply->BODY.find(' ');
-    std::string why = blank == std::string::npos ? "" : printable(reply->BODY.substr(blank + 1));
-    settle(order, Verdict::refused, why.empty() ? code_text(reply->STATUS) : why);
+    if (reply->STATUS != code::start_in_wrong_state)
+      return settle(order, Verdict::refused, refusal_text(*reply));
+    // In which state, and by which fault, is in the Status: it may have come before the order was sent.
+    const auto it = client_.seen().find(order.station);
+    if (it == client_.seen().end()) return;
+    const StationState state = state_of(it->second.status);
+    if (state == StationState::FAULT) settle(order, Verdict::refused, fault_text(it->second.status));
+    if (state == StationState::STOPPING)
+      settle(order, Verdict::refused, "it is STOPPING: Start it when its piece is finished");
   }
 
   const Arguments& arguments_;

@@ -1,6 +1,7 @@
 #include "ctl/output.hpp"
 
 #include <cstdio>
+#include <utility>
 
 #include "config/units.hpp"
 #include "ctl/table.hpp"
@@ -11,6 +12,7 @@
 namespace stationd::ctl {
 namespace {
 
+using bus::code_id;
 using bus::code_text;
 using bus::printable;
 using bus::severity_text;
@@ -36,6 +38,13 @@ std::string remark_of(const bus::Status& status) {
 }
 
 bool away(const Seen& seen, std::int64_t now_ns) { return now_ns - seen.receipt_ns > kAwayAfter_ns; }
+
+std::string silence_of(std::int64_t age_ns) { return "no Status for " + short_duration(age_ns); }
+
+std::string silence_of(const Missing& missing, std::int64_t now_ns) {
+  if (!missing.seen_ns) return "no Status ever, says the supervisor that expects it";
+  return silence_of(now_ns - *missing.seen_ns) + ", says the supervisor";
+}
 
 std::string state_of(const Seen& seen, std::int64_t now_ns) {
   return away(seen, now_ns) ? "away" : state_text(seen.status.STATE);
@@ -68,38 +77,67 @@ std::string station_json(const Seen& seen, std::int64_t now_ns) {
   out.number("piece", s.PIECE).number("scans", s.SCANS).number("deadline_misses", s.DEADLINE_MISSES);
   out.number("period_ns", s.PERIOD_NS).number("lateness_p99_ns", s.LATENESS_P99_NS);
   out.number("lateness_max_ns", s.LATENESS_MAX_NS).text("realtime", s.REALTIME);
-  out.number("source_time_ns", s.SOURCE_TIME).number("age_ns", now_ns - seen.receipt_ns);
+  out.number("source_time_ns", s.SOURCE_TIME).text("time", bus::iso_time(s.SOURCE_TIME));
+  out.number("age_ns", now_ns - seen.receipt_ns);
   return out.str();
 }
 
-std::string stations_json(const Stations& stations, std::int64_t now_ns) {
+std::string stations_json(const Stations& stations, const std::vector<Missing>& missing,
+                          std::int64_t now_ns) {
   std::vector<std::string> values;
   for (const auto& [name, seen] : stations) values.push_back(station_json(seen, now_ns));
-  return JsonObject().raw("stations", json_array(values)).str();
+  std::vector<std::string> gone;
+  for (const Missing& one : missing) {
+    JsonObject out;
+    out.text("station", one.station).text("controller", one.controller);
+    gone.push_back(out.raw("age_ns", one.seen_ns ? std::to_string(now_ns - *one.seen_ns) : "null").str());
+  }
+  return JsonObject().raw("stations", json_array(values)).raw("missing", json_array(gone)).str();
 }
 
-std::vector<std::string> stations_table(const Stations& stations, std::int64_t now_ns, std::size_t width) {
-  std::vector<std::vector<std::string>> rows{{"STATION", "STATE", "STEP", "PIECE", "SCANS", "MISSES",
-                                              "LATE p99/max", "PERIOD", "CONTROLLER", "FAULT OR WARNING"}};
+std::vector<std::string> stations_table(const Stations& stations, const std::vector<Missing>& missing,
+                                        std::int64_t now_ns, std::size_t width) {
+  const std::vector<Column> columns = {{"STATION"},
+                                       {"STATE"},
+                                       {"STEP", false, 3},
+                                       {"PIECE", true, 2},
+                                       {"SCANS", true, 5},
+                                       {"MISSES", true, 4},
+                                       {"LATE p99/max", true, 6},
+                                       {"PERIOD", true, 8},
+                                       {"CONTROLLER", false, 7},
+                                       {"FAULT OR WARNING"}};
+  std::vector<std::vector<std::string>> rows;
   for (const auto& [name, seen] : stations) {
     const bus::Status& s = seen.status;
-    rows.push_back(
-        {printable(name), state_of(seen, now_ns), step_text(s), s.PIECE == 0 ? "-" : std::to_string(s.PIECE),
-         std::to_string(s.SCANS), std::to_string(s.DEADLINE_MISSES),
-         short_duration(s.LATENESS_P99_NS) + "/" + short_duration(s.LATENESS_MAX_NS),
-         config::duration_text(s.PERIOD_NS), printable(s.CONTROLLER),
-         away(seen, now_ns) ? "no Status for " + short_duration(now_ns - seen.receipt_ns) : remark_of(s)});
+    rows.push_back({printable(name), state_of(seen, now_ns), step_text(s),
+                    s.PIECE == 0 ? "-" : std::to_string(s.PIECE), std::to_string(s.SCANS),
+                    std::to_string(s.DEADLINE_MISSES),
+                    short_duration(s.LATENESS_P99_NS) + "/" + short_duration(s.LATENESS_MAX_NS),
+                    config::duration_text(s.PERIOD_NS), printable(s.CONTROLLER),
+                    away(seen, now_ns) ? silence_of(now_ns - seen.receipt_ns) : remark_of(s)});
   }
-  return aligned(rows, {false, false, false, true, true, true, true, true, false, false}, width);
+  for (const Missing& one : missing)
+    rows.push_back({printable(one.station), one.seen_ns ? "away" : "not seen", "-", "-", "-", "-", "-", "-",
+                    printable(one.controller), silence_of(one, now_ns)});
+  return table_lines(columns, std::move(rows), width);
 }
 
 std::string station_line(const Seen& seen, std::int64_t now_ns) {
   const bus::Status& s = seen.status;
   std::string out = time_text(s.SOURCE_TIME) + " " + printable(s.STATION) + " " + state_of(seen, now_ns);
+  if (away(seen, now_ns))
+    out += ": " + silence_of(now_ns - seen.receipt_ns) + "; it was " + state_text(s.STATE);
   out += " step=" + step_text(s) + " piece=" + std::to_string(s.PIECE) + " scans=" + std::to_string(s.SCANS);
   out += " misses=" + std::to_string(s.DEADLINE_MISSES) + " late_p99=" + short_duration(s.LATENESS_P99_NS);
+  out += " fault=" + (s.FAULT == 0 ? "none" : code_id(s.FAULT));
   const std::string remark = remark_of(s);
   return remark.empty() ? out : out + " " + remark;
+}
+
+std::string missing_line(const Missing& missing, std::int64_t now_ns) {
+  return "--:--:-- " + printable(missing.station) + (missing.seen_ns ? " away: " : " not seen: ") +
+         silence_of(missing, now_ns);
 }
 
 std::string event_json(const bus::Gse& gse) {
@@ -112,7 +150,8 @@ std::string event_json(const bus::Gse& gse) {
       .text("severity", severity_text(gse.SEVERITY))
       .flag("error", gse.ERROR);
   out.flag("active", gse.ACTIVE).flag("edge", gse.EDGE).number("detail", gse.DETAIL);
-  out.number("source_time_ns", gse.SOURCE_TIME).text("text", gse.TEXT);
+  out.number("source_time_ns", gse.SOURCE_TIME).text("time", bus::iso_time(gse.SOURCE_TIME));
+  out.text("text", gse.TEXT).text("source", bus::event_source(gse));
   return out.str();
 }
 
@@ -149,6 +188,12 @@ void print_line(const std::string& text) {
   std::fwrite(text.data(), 1, text.size(), stdout);
   std::fputc('\n', stdout);
   std::fflush(stdout);
+}
+
+void say_zone(const Arguments& arguments) {
+  if (arguments.json) return;
+  const std::string zone = bus::zone_text(utc_offset_ns() + monotonic_ns());
+  std::fprintf(stderr, "times are local: %s\n", zone.c_str());
 }
 
 int fail(const Arguments& arguments, ExitStatus status, const std::string& text) {

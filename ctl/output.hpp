@@ -9,6 +9,7 @@
 #include "ctl/arguments.hpp"
 #include "ctl/client.hpp"
 #include "ctl/json.hpp"
+#include "ctl/supervisor.hpp"
 
 namespace stationd::ctl {
 
@@ -23,12 +24,14 @@ enum ExitStatus : int {
 
 /// One station as `list` and `watch` show it.
 std::string station_json(const Seen& seen, std::int64_t now_ns);
-/// {"stations":[...]}
-std::string stations_json(const Stations& stations, std::int64_t now_ns);
-/// A heading and a line for each station; none wider than `width` (0: any).
-std::vector<std::string> stations_table(const Stations& stations, std::int64_t now_ns, std::size_t width);
+/// {"stations":[...],"missing":[...]}
+std::string stations_json(const Stations& stations, const std::vector<Missing>& missing, std::int64_t now_ns);
+/// A heading and a line for each station, the missing ones last; none wider than `width` (0: any).
+std::vector<std::string> stations_table(const Stations& stations, const std::vector<Missing>& missing,
+                                        std::int64_t now_ns, std::size_t width);
 /// One line without heading: what changes while one watches.
 std::string station_line(const Seen& seen, std::int64_t now_ns);
+std::string missing_line(const Missing& missing, std::int64_t now_ns);
 std::string event_json(const bus::Gse& gse);
 
 /// "did you mean" among what was seen.
@@ -39,6 +42,8 @@ std::string no_answer_text(const Arguments& arguments, const std::string& what, 
 std::string no_station_text(const Arguments& arguments, const Stations& stations);
 
 void print_line(const std::string& text);
+/// Once, to standard error, where people read times: the zone they are in.
+void say_zone(const Arguments& arguments);
 /// Message to standard error, and with --json {"ok":false,"status":...,"message":...} to standard output.
 int fail(const Arguments& arguments, ExitStatus status, const std::string& text);
 

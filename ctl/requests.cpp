@@ -9,14 +9,14 @@
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
+#include "ctl/replies.hpp"
 #include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
+#include "scan/messages.hpp"
 
 namespace stationd::ctl {
 namespace {
 
-using bus::code_id;
-using bus::code_text;
 using bus::printable;
 
 constexpr std::int64_t kRepeat_ns = 500'000'000;
@@ -51,28 +51,35 @@ std::optional<bus::MsgRes> ask(Client& client, const Arguments& arguments, const
   return answer;
 }
 
-std::string without_id(const std::string& body) {
-  if (!body.starts_with("id=")) return body;
-  const std::size_t blank = body.find(' ');
-  return blank == std::string::npos ? "" : body.substr(blank + 1);
-}
-
 namespace {
+
+/// `params` has the range behind each value: "speed=3 (1..1000)".
+std::string without_ranges(const std::string& body) {
+  std::string out;
+  for (std::size_t at = 0; at < body.size();) {
+    const std::size_t end = std::min(body.find('\n', at), body.size());
+    const std::string line = body.substr(at, end - at);
+    out += line.substr(0, line.find(" (")) + "\n";
+    at = end + 1;
+  }
+  return out;
+}
 
 int show(const Arguments& arguments, const bus::MsgRes& reply) {
   const std::string text = without_id(reply.BODY);
   if (arguments.json) {
     JsonObject out;
     out.text("station", arguments.station).flag("ok", !reply.ERROR).flag("error", reply.ERROR);
-    print_line(out.number("status", reply.STATUS).number("code", reply.CODE).text("body", text).str());
+    out.number("status", reply.STATUS).number("code", reply.CODE).text("body", text);
+    if (!arguments.text.starts_with("histogram"))  // whose buckets are no pairs; `stats` has them as JSON
+      add_values(out, arguments.text == "params" ? without_ranges(text) : text);
+    print_line(out.str());
   } else if (!reply.ERROR) {
     print_line(text.empty() ? "done" : printable(text, true));
   }
   if (!reply.ERROR) return kDone;
-  std::string why = printable(text.starts_with("refused: ") ? text.substr(9) : text);
-  if (reply.STATUS != 0 && why.find(code_id(reply.STATUS)) == std::string::npos)
-    why += (why.empty() ? "" : " (") + code_text(reply.STATUS) + (why.empty() ? "" : ")");
-  std::fprintf(stderr, "stationctl: %s refused: %s\n", arguments.station.c_str(), why.c_str());
+  std::fprintf(stderr, "stationctl: %s refused: %s\n", arguments.station.c_str(),
+               refusal_text(reply).c_str());
   return kRefused;
 }
 
@@ -85,10 +92,53 @@ int ask_and_show(const Arguments& arguments, const std::string& text) {
   return fail(arguments, kNoAnswer, no_answer_text(arguments, "did not answer", stations));
 }
 
+/// What became of one station's reset, as a line and as JSON.
+int show_reset(const Arguments& about, const std::optional<bus::MsgRes>& reply, const Stations& stations,
+               std::vector<std::string>& values) {
+  const int status = !reply ? kNoAnswer : reply->ERROR ? kRefused : kDone;
+  const std::vector<Pairs> lines = reply ? pairs_of(without_id(reply->BODY)) : std::vector<Pairs>{};
+  const std::string* state = lines.empty() ? nullptr : find_value(lines.front(), "state");
+  std::string text = state == nullptr ? "reset" : printable(*state);
+  if (status == kRefused) text = refusal_text(*reply);
+  if (status == kNoAnswer) text = no_answer_text(about, "did not answer", stations);
+  JsonObject out;
+  out.text("station", about.station).flag("ok", status == kDone);
+  values.push_back(out.text("state", state == nullptr ? "" : *state).text("message", text).str());
+  if (status == kDone && !about.json) print_line(printable(about.station) + " " + text);
+  if (status == kRefused) text = printable(about.station) + " refused reset: " + text;
+  if (status != kDone) std::fprintf(stderr, "stationctl: %s\n", text.c_str());
+  return status;
+}
+
+/// Of every station in FAULT; the others have nothing to acknowledge.
+int reset_all(const Arguments& arguments) {
+  Client client(arguments);
+  const Stations stations = client.settle(monotonic_ns() + arguments.timeout_ns);
+  if (stations.empty()) return fail(arguments, kNoStation, no_station_text(arguments, stations));
+  int status = kDone;
+  std::vector<std::string> values;
+  for (const auto& [name, seen] : stations) {
+    if (seen.status.STATE != static_cast<std::uint32_t>(StationState::FAULT)) continue;
+    Arguments about = arguments;
+    about.station = name;
+    status = std::max(status, show_reset(about, ask(client, about, "reset"), client.stations(), values));
+  }
+  if (arguments.json) {
+    JsonObject out;
+    out.text("command", "reset").flag("ok", status == kDone);
+    print_line(out.raw("stations", json_array(values)).str());
+  } else if (values.empty()) {
+    print_line("no station is in FAULT: nothing to reset");
+  }
+  return status;
+}
+
 }  // namespace
 
 int msg(const Arguments& arguments) { return ask_and_show(arguments, arguments.text); }
 
-int reset(const Arguments& arguments) { return ask_and_show(arguments, "reset"); }
+int reset(const Arguments& arguments) {
+  return arguments.station == "all" ? reset_all(arguments) : ask_and_show(arguments, "reset");
+}
 
 }  // namespace stationd::ctl

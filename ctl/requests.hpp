@@ -13,7 +13,4 @@ namespace stationd::ctl {
 /// The answer of arguments.station, or nothing within the time-out. What does no harm twice is repeated.
 std::optional<bus::MsgRes> ask(Client& client, const Arguments& arguments, const std::string& text);
 
-/// A reply's BODY behind the id that it begins with.
-std::string without_id(const std::string& body);
-
 }  // namespace stationd::ctl

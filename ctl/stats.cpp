@@ -7,6 +7,7 @@
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
+#include "ctl/replies.hpp"
 #include "ctl/requests.hpp"
 #include "ctl/stats_text.hpp"
 #include "dds_bridge/text.hpp"

@@ -6,16 +6,19 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <set>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "ctl/client.hpp"
 #include "ctl/commands.hpp"
 #include "ctl/output.hpp"
+#include "ctl/supervisor.hpp"
 #include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
 
@@ -63,11 +66,11 @@ class View {
   View(const View&) = delete;
   View& operator=(const View&) = delete;
 
-  void show(const Stations& stations) {
+  void show(const Stations& stations, const std::vector<Missing>& missing) {
     winsize size{};
     if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) size = {24, 80, 0, 0};
     // One column less: erasing behind a full line would take its end.
-    std::vector<std::string> lines = stations_table(stations, monotonic_ns(), size.ws_col - 1U);
+    std::vector<std::string> lines = stations_table(stations, missing, monotonic_ns(), size.ws_col - 1U);
     lines.emplace_back();
     lines.emplace_back("Ctrl-C ends");
     if (lines.size() > size.ws_row) lines.resize(size.ws_row);
@@ -90,25 +93,54 @@ Stations only(const Stations& stations, const std::string& name) {
   return out;
 }
 
-void print_sample(const Arguments& arguments, const Stations& stations) {
+/// What is watched: one station, or all of them and those that the supervisor misses.
+class Watched {
+ public:
+  Watched(const Arguments& arguments, Client& client)
+      : arguments_(arguments), client_(client), question_(client) {}
+
+  /// False: there is nothing to watch.
+  bool find() {
+    const std::int64_t until_ns = monotonic_ns() + arguments_.timeout_ns;
+    if (arguments_.station.empty())
+      client_.settle(until_ns, [this] { question_.ask(); });
+    else
+      client_.wait(until_ns, [this] { return client_.seen().contains(arguments_.station); });
+    return !stations().empty() || !missing().empty();
+  }
+  Stations stations() { return only(client_.stations(), arguments_.station); }
+  std::vector<Missing> missing() {
+    return arguments_.station.empty() ? question_.missing(client_.stations()) : std::vector<Missing>{};
+  }
+  Client& client() { return client_; }
+
+ private:
+  const Arguments& arguments_;
+  Client& client_;
+  SupervisorQuestion question_;
+};
+
+void print_sample(const Arguments& arguments, Watched& watched) {
   const std::int64_t now_ns = monotonic_ns();
-  if (arguments.json) return print_line(stations_json(stations, now_ns));
-  for (const auto& [name, seen] : stations) print_line(station_line(seen, now_ns));
+  if (arguments.json) return print_line(stations_json(watched.stations(), watched.missing(), now_ns));
+  for (const auto& [name, seen] : watched.stations()) print_line(station_line(seen, now_ns));
+  for (const Missing& one : watched.missing()) print_line(missing_line(one, now_ns));
 }
 
-void watch_in_terminal(const Arguments& arguments, Client& client) {
+void watch_in_terminal(const Arguments& arguments, Watched& watched) {
   View view;
   for (std::uint64_t n = 0; go_on() && (!arguments.count || n < *arguments.count); ++n) {
-    view.show(only(client.stations(), arguments.station));
-    pause_until(client, monotonic_ns() + kRedraw_ns);
+    view.show(watched.stations(), watched.missing());
+    pause_until(watched.client(), monotonic_ns() + kRedraw_ns);
   }
 }
 
-void watch_in_lines(const Arguments& arguments, Client& client) {
+void watch_in_lines(const Arguments& arguments, Watched& watched) {
+  say_zone(arguments);
   std::int64_t due_ns = monotonic_ns();
   for (std::uint64_t n = 0; go_on() && (!arguments.count || n < *arguments.count); ++n) {
-    pause_until(client, due_ns);
-    if (go_on()) print_sample(arguments, only(client.stations(), arguments.station));
+    pause_until(watched.client(), due_ns);
+    if (go_on()) print_sample(arguments, watched);
     due_ns += kSample_ns;
   }
 }
@@ -125,6 +157,8 @@ class EventLister {
       waiting_.push_back(std::move(gse));
     }
   }
+
+  bool waiting() const { return !waiting_.empty(); }
 
   /// Prints what waits, by time; at most the last (`newest`) or first `limit` of it. How many were printed.
   std::uint64_t print(std::uint64_t limit, bool newest) {
@@ -149,19 +183,12 @@ class EventLister {
 int watch(const Arguments& arguments) {
   end_on_signals();
   Client client(arguments);
-  const std::int64_t until_ns = monotonic_ns() + arguments.timeout_ns;
-  if (arguments.station.empty()) {
-    client.settle(until_ns);
-  } else {
-    client.wait(until_ns, [&] { return client.seen().contains(arguments.station); });
-  }
-  const Stations stations = client.stations();
-  if (only(stations, arguments.station).empty())
-    return fail(arguments, kNoStation, no_station_text(arguments, stations));
+  Watched watched(arguments, client);
+  if (!watched.find()) return fail(arguments, kNoStation, no_station_text(arguments, client.stations()));
   if (!arguments.json && in_terminal()) {
-    watch_in_terminal(arguments, client);
+    watch_in_terminal(arguments, watched);
   } else {
-    watch_in_lines(arguments, client);
+    watch_in_lines(arguments, watched);
   }
   return kDone;
 }
@@ -174,9 +201,12 @@ int events(const Arguments& arguments) {
   pause_until(client, history_ns);
   lister.take(client.take_events());
   std::uint64_t left = arguments.count.value_or(UINT64_MAX);
+  const bool any = lister.waiting();
+  if (any || arguments.follow) say_zone(arguments);
   left -= lister.print(left, !arguments.follow);
   if (!arguments.follow) {
     if (client.stations().empty()) return fail(arguments, kNoStation, no_station_text(arguments, {}));
+    if (!any) std::fprintf(stderr, "no events\n");  // as JSON, one a line: no line
     return kDone;
   }
   while (left > 0 && go_on()) {

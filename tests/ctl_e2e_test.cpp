@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <string>
 
 #include "tests/supervisor_fake_cell.hpp"
@@ -71,7 +72,7 @@ TEST_CASE("start and stop wait for the confirmation") {
   CHECK(cell.all_run());
 }
 
-TEST_CASE("a station in FAULT refuses Start, with what to do") {
+TEST_CASE("a station in FAULT refuses Start, with cause, remedy and the next step [SYS-7]") {
   FakeCell cell({"robot"});
   cell.with("robot", [](auto& s) {
     s.status.STATE = 3;
@@ -79,8 +80,59 @@ TEST_CASE("a station in FAULT refuses Start, with what to do") {
   });
   const Result result = run(std::string(kPatient) + "start robot");
   CHECK(result.status == 1);
-  CHECK(has(result, "ST1205"));
+  CHECK(has(result, "robot refused Start: it is in FAULT: ST1205 scan made no progress. Cause: "));
+  CHECK(has(result, "Remedy: "));
   CHECK(has(result, "stationctl reset robot"));
+}
+
+TEST_CASE("reset all acknowledges every fault, as start all and stop all do [SYS-7]") {
+  FakeCell cell({"robot", "loader", "sealer"});
+  CHECK(run(std::string(kPatient) + "reset all").text == "no station is in FAULT: nothing to reset\n");
+  for (const char* name : {"robot", "loader"})
+    cell.with(name, [](auto& s) {
+      s.status.STATE = 3;
+      s.status.FAULT = 1205;
+    });
+  const Result json = run(std::string(kPatient) + "--json reset all");
+  CHECK(json.status == 0);
+  CHECK(json.text.starts_with(R"({"command":"reset","ok":true,"stations":[{"station":"loader","ok":true)"));
+  CHECK(has(json, R"({"station":"robot","ok":true)"));
+  CHECK_FALSE(has(json, "sealer"));
+  CHECK(cell.with("robot", [](auto& s) { return s.status.STATE; }) == 0);
+  cell.with("robot", [](auto& s) { s.status.STATE = 3; });
+  CHECK(run(std::string(kPatient) + "reset all").text == "robot reset\n");
+}
+
+TEST_CASE("list shows a station that the supervisor knows and that is not on the bus [SYS-7]") {
+  FakeCell cell({"robot", "supervisor"});
+  cell.with("supervisor", [](auto& s) {
+    s.answer =
+        "station=robot state=RUNNING configured=true\n"
+        "station=sealer state=away controller=controller2 age=12.5s configured=true";
+  });
+  Result table;
+  for (int i = 0; i < 5 && !has(table, "sealer"); ++i) table = run(std::string(kPatient) + "list");
+  CHECK(table.status == 0);
+  CHECK(has(table, "sealer "));
+  CHECK(has(table, "says the supervisor"));
+  CHECK_FALSE(has(table, "robot  away"));
+}
+
+TEST_CASE("watch goes on showing a station whose controller died, with the age of its Status [SYS-7]") {
+  auto cell = std::make_unique<FakeCell>(std::vector<std::string>{"robot"});
+  const std::string command = std::string(STATIONCTL) + " --domain " +
+                              std::to_string(stationd::testing::test_domain()) +
+                              " --timeout 30s watch --count 6 2>&1 </dev/null";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string text;
+  std::array<char, 512> line{};
+  while (std::fgets(line.data(), line.size(), pipe) != nullptr) {
+    text += line.data();
+    if (text.find("robot STOPPED") != std::string::npos) cell.reset();
+  }
+  CHECK(::pclose(pipe) == 0);
+  CHECK(text.find("robot away: no Status for ") != std::string::npos);
 }
 
 TEST_CASE("a station that does not answer: one clear error within the time-out, status 2") {
@@ -124,7 +176,8 @@ TEST_CASE("watch prints samples and ends after --count") {
   FakeCell cell({"robot"});
   const Result lines = run(std::string(kPatient) + "watch robot --count 2");
   CHECK(lines.status == 0);
-  CHECK(std::ranges::count(lines.text, '\n') == 2);
+  CHECK(std::ranges::count(lines.text, '\n') == 3);
+  CHECK(lines.text.starts_with("times are local: "));
   CHECK(has(lines, "robot STOPPED"));
   CHECK(run(std::string(kPatient) + "--json watch --count 1")
             .text.starts_with(R"({"stations":[{"station":"robot")"));
@@ -167,6 +220,13 @@ TEST_CASE("events lists what was reported before, each once") {
   CHECK(std::ranges::count(all.text, '\n') == 2);
   CHECK(has(all, R"("seq":1,"code":1101,"name":"field device lost","severity":"warning")"));
   CHECK(has(all, R"("seq":2,"code":1205)"));
+}
+
+TEST_CASE("events without any says so, and not among the JSON [SYS-7]") {
+  FakeCell cell({"robot"});
+  const Result none = run(std::string(kPatient) + "events");
+  CHECK(none.status == 0);
+  CHECK(none.text == "no events\n");
 }
 
 TEST_CASE("describe and usage need no bus") {

@@ -7,7 +7,9 @@
 #include "ctl/arguments.hpp"
 #include "ctl/json.hpp"
 #include "ctl/output.hpp"
+#include "ctl/replies.hpp"
 #include "ctl/stats_text.hpp"
+#include "ctl/supervisor.hpp"
 #include "scan/clock.hpp"
 
 using namespace stationd;
@@ -97,6 +99,10 @@ TEST_CASE("interfaces replace the default, all means every one") {
 
 TEST_CASE("each command takes what belongs to it") {
   CHECK(parse({"stop", "all", "--end-of-piece"}).end_of_piece);
+  CHECK(parse({"stop", "robot", "mode=end_of_piece"}).end_of_piece);
+  CHECK(parse({"stop", "robot", "mode=immediate"}).problem.empty());
+  CHECK_FALSE(parse({"stop", "robot", "mode=immediate"}).end_of_piece);
+  CHECK(parse({"reset", "all"}).station == "all");
   CHECK(parse({"events", "--follow", "--count", "3"}).count == 3);
   CHECK(parse({"watch", "--count=2", "robot"}).station == "robot");
   const Arguments stats = parse({"stats", "robot", "--histogram", "--json"});
@@ -116,6 +122,9 @@ TEST_CASE("what is wrong is said, with a suggestion where one is near") {
   CHECK(parse({"start"}).problem == "STATION is missing");
   CHECK(parse({"start", "robot", "fast"}).problem ==
         "start takes KEY=VALUE behind the station, not \"fast\"");
+  CHECK(parse({"stop", "robot", "mode=gentle"}).problem.find("which is --end-of-piece") != std::string::npos);
+  CHECK(parse({"stop", "robot", "gently"}).problem ==
+        "stop takes --end-of-piece behind the station, not \"gently\"");
   CHECK(parse({"msg", "robot"}).problem == "TEXT is missing, such as `status`");
   CHECK(parse({"describe"}).problem == "CODE is missing, such as ST1203");
   CHECK(parse({"list", "robot"}).problem == "one word too many: \"robot\"");
@@ -147,7 +156,7 @@ TEST_CASE("JSON strings are always valid") {
 }
 
 TEST_CASE("a station's JSON has stable keys") {
-  const std::string text = stations_json(two_stations(), 2'000);
+  const std::string text = stations_json(two_stations(), {}, 2'000);
   CHECK(text.starts_with(R"({"stations":[{"station":"robot","controller":"controller1","state":"FAULT")"));
   for (const char* part : {R"("fault":1205)", R"("fault_name":"scan made no progress")", R"("scans":4711)",
                            R"("deadline_misses":0)", R"("lateness_p99_ns":87000)", R"("age_ns":1000)"})
@@ -155,18 +164,101 @@ TEST_CASE("a station's JSON has stable keys") {
 }
 
 TEST_CASE("the table is aligned and fits") {
-  const std::vector<std::string> lines = stations_table(two_stations(), 2'000, 0);
+  const std::vector<std::string> lines = stations_table(two_stations(), {}, 2'000, 0);
   REQUIRE(lines.size() == 3);
   CHECK(lines[0].find("STATE") == lines[1].find("FAULT"));
   CHECK(lines[1].find("ST1205 scan made no progress") != std::string::npos);
   CHECK(lines[2].find("10ms") != std::string::npos);
   for (std::size_t width = 1; width < 150; ++width)
-    for (const std::string& line : stations_table(two_stations(), 2'000, width)) CHECK(line.size() <= width);
+    for (const std::string& line : stations_table(two_stations(), {}, 2'000, width))
+      CHECK(line.size() <= width);
 }
 
 TEST_CASE("a station that went silent is away") {
-  CHECK(stations_table(two_stations(), 5'000'000'000, 0)[2].find("away") != std::string::npos);
-  CHECK(stations_json(two_stations(), 5'000'000'000).find(R"("away":true)") != std::string::npos);
+  CHECK(stations_table(two_stations(), {}, 5'000'000'000, 0)[2].find("away") != std::string::npos);
+  CHECK(stations_json(two_stations(), {}, 5'000'000'000).find(R"("away":true)") != std::string::npos);
+}
+
+TEST_CASE("a narrow table keeps the fault and leaves out what matters less [SYS-7]") {
+  const std::vector<std::string> lines = stations_table(two_stations(), {}, 2'000, 60);
+  CHECK(lines[0].find("FAULT OR WARNING") != std::string::npos);
+  CHECK(lines[0].find("PERIOD") == std::string::npos);
+  CHECK(lines[1].find("ST1205 scan made no progress") != std::string::npos);
+}
+
+TEST_CASE("a line of watch has the fault's code, and the age of what has gone silent [SYS-7]") {
+  const Stations stations = two_stations();
+  CHECK(station_line(stations.at("robot"), 2'000).find(" fault=ST1205 ") != std::string::npos);
+  CHECK(station_line(stations.at("storage"), 2'000).find(" fault=none") != std::string::npos);
+  const std::string away = station_line(stations.at("storage"), 3'000'001'000);
+  CHECK(away.find("storage away: no Status for 3.0s; it was RUNNING") != std::string::npos);
+}
+
+TEST_CASE("stations that the supervisor misses are told from its answer [SYS-7]") {
+  const std::vector<Missing> missing = missing_of(
+      "station=storage state=RUNNING configured=true intent=run step=to shelf age=50.0ms pieces=1\n"
+      "station=robot state=away configured=true intent=run controller=controller1 age=12.5s pieces=2\n"
+      "station=sealer state=away configured=true intent=run pieces=0\n"
+      "station=old state=away configured=false intent=run pieces=7",
+      20'000'000'000);
+  REQUIRE(missing.size() == 2);
+  CHECK(missing[0].station == "robot");
+  CHECK(missing[0].controller == "controller1");
+  CHECK(missing[0].seen_ns == 7'500'000'000);
+  CHECK(missing[1].station == "sealer");
+  CHECK_FALSE(missing[1].seen_ns.has_value());
+  CHECK(missing_of("no answer of pairs", 0).empty());
+  const std::vector<std::string> lines = stations_table({}, missing, 21'000'000'000, 0);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[1].find("no Status for 13.5s, says the supervisor") != std::string::npos);
+  CHECK(lines[2].find("not seen") != std::string::npos);
+  CHECK(stations_json({}, missing, 21'000'000'000) ==
+        R"({"stations":[],"missing":[{"station":"robot","controller":"controller1","age_ns":13500000000},)"
+        R"({"station":"sealer","controller":"","age_ns":null}]})");
+}
+
+TEST_CASE("a reply's pairs are values in JSON, blanks in them included [SYS-7]") {
+  const auto values = [](std::string_view body) {
+    JsonObject out;
+    add_values(out, body);
+    return out.str();
+  };
+  CHECK(values("state=RUNNING step=wait for a pallet piece=0") ==
+        R"({"values":{"state":"RUNNING","step":"wait for a pallet","piece":"0"}})");
+  CHECK(values("done state=STOPPED") == R"({"values":{"state":"STOPPED"}})");
+  CHECK(values("speed=3\ndelay=1s") == R"({"values":{"speed":"3","delay":"1s"}})");
+  CHECK(values("station=a pieces=1\nstation=b pieces=2") ==
+        R"({"rows":[{"station":"a","pieces":"1"},{"station":"b","pieces":"2"}]})");
+  CHECK(values("ST1203 real-time rights refused. Set x=1") == "{}");
+  CHECK(values("") == "{}");
+}
+
+TEST_CASE("a refusal has the code's name and remedy, a fault its cause too [SYS-7]") {
+  bus::MsgRes reply;
+  reply.ERROR = true;
+  reply.STATUS = 1303;
+  reply.BODY = "id=5 refused: ST1303 (fault still present) state=FAULT";
+  CHECK(refusal_text(reply) ==
+        "ST1303 (fault still present) state=FAULT. Remedy: Remove the cause, then reset again.");
+  reply.BODY = "id=5";
+  CHECK(refusal_text(reply) == "ST1303 fault still present. Remedy: Remove the cause, then reset again.");
+  bus::Status status = two_stations().at("robot").status;
+  CHECK(fault_text(status) ==
+        "it is in FAULT: ST1205 scan made no progress. Cause: The station's scan did not finish within its "
+        "watchdog time. Remedy: Its outputs were made safe. Find the program's loop; then reset, then Start. "
+        "Then: stationctl reset robot");
+  status.FAULT = 9999;
+  CHECK(fault_text(status).find("stationctl msg robot describe ST9999") != std::string::npos);
+}
+
+TEST_CASE("an event's JSON has its source and a time with offset [SYS-7]") {
+  bus::Gse gse;
+  gse.STATUS = 1101;
+  gse.TEXT = "field device lost: remote-io-1";
+  gse.SOURCE_TIME = 1'767'225'600'250'000'000;
+  const std::string json = event_json(gse);
+  CHECK(json.find(R"("source":"remote-io-1")") != std::string::npos);
+  CHECK(json.find(R"("time":"20)") != std::string::npos);
 }
 
 TEST_CASE("errors tell what to look at") {

@@ -46,6 +46,7 @@ class FakeCell {
     bus::End end;
     bool deaf = false;                          ///< orders and requests have no effect
     bool stats = false;                         ///< publishes ScanStats and has a histogram
+    std::string answer;                         ///< to `status`; empty: "fake status"
     int starts = 0;                             ///< received
     std::vector<std::string> start_order_seen;  ///< stations RUNNING when its first Start came
   };
@@ -62,7 +63,9 @@ class FakeCell {
     }
     bus_.prepare_writers({"Status", "End", "ScanStats", "GSE", "Msg_Res"});
     bus::Handlers handlers;
-    handlers.on_start = [this](const bus::MsgReq& order, const bus::Origin&) { on_start(order); };
+    handlers.on_start = [this](const bus::MsgReq& order, const bus::Origin& origin) {
+      on_start(order, origin);
+    };
     handlers.on_stop = [this](const bus::MsgReq& order, const bus::Origin&) { on_stop(order); };
     handlers.on_request = [this](const bus::MsgReq& m, const bus::Origin& origin) { on_request(m, origin); };
     handlers.names = names;
@@ -115,13 +118,21 @@ class FakeCell {
     return options;
   }
 
-  void on_start(const bus::MsgReq& order) {
+  void on_start(const bus::MsgReq& order, const bus::Origin& origin) {
     const std::lock_guard lock(mutex_);
     Station& station = stations_.at(order.DEST_STATION);
     if (station.starts++ == 0)
       for (const auto& [name, other] : stations_)
         if (other.status.STATE == 1) station.start_order_seen.push_back(name);
     if (!station.deaf && station.status.STATE == 0) station.status.STATE = 1;
+    const bus::Body body = bus::parse_body(order.BODY, 8192);
+    if (station.deaf || station.status.STATE != 3 || body.id.empty()) return;
+    bus::MsgRes reply;
+    reply.DEST_STATION = body.from;
+    reply.ERROR = true;
+    reply.STATUS = 1304;
+    reply.BODY = bus::reply_prefix(body) + "Start refused: ST1304 (Start not possible)";
+    bus_.write_reply(reply, origin);
   }
   void on_stop(const bus::MsgReq& order) {
     const std::lock_guard lock(mutex_);
@@ -134,11 +145,13 @@ class FakeCell {
   }
   void on_request(const bus::MsgReq& request, const bus::Origin& origin) {
     const bus::Body body = bus::parse_body(request.BODY, 8192);
-    if (with(request.DEST_STATION, [](Station& s) { return s.deaf; })) return;
+    const std::lock_guard lock(mutex_);
+    Station& station = stations_.at(request.DEST_STATION);
+    if (station.deaf) return;
     const bool known = !body.words.empty() && (body.words[0] == "status" || body.words[0] == "reset");
     bus::MsgRes reply;
     reply.DEST_STATION = body.from;
-    if (with(request.DEST_STATION, [](Station& s) { return s.stats; }) && body.words[0] == "histogram") {
+    if (station.stats && body.words[0] == "histogram") {
       reply.BODY =
           bus::reply_prefix(body) + "figure=" + body.words.at(1) + " window=since_start merged=1 1000:5";
       bus_.write_reply(reply, origin);
@@ -147,6 +160,9 @@ class FakeCell {
     reply.ERROR = !known;
     reply.STATUS = known ? 0 : 1307;
     reply.BODY = bus::reply_prefix(body) + (known ? "fake " + body.words[0] : "not a verb");
+    if (known && body.words[0] == "status" && !station.answer.empty())
+      reply.BODY = bus::reply_prefix(body) + station.answer;
+    if (known && body.words[0] == "reset" && station.status.STATE == 3) station.status.STATE = 0;
     bus_.write_reply(reply, origin);
   }
   static bus::ScanStats stats_of(const std::string& name) {

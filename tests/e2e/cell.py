@@ -173,14 +173,14 @@ class Cell:
             command, capture_output=True, text=True, timeout=GENEROUS, check=False, env=self.environment
         )
 
+    def listed(self, which):
+        """What `stationctl --json list` says of the `stations` there are, or of those `missing`."""
+        answer = self.ctl("list", timeout="2s")
+        return json.loads(answer.stdout)[which] if answer.returncode == 0 else []
+
     def stations(self):
         """{name: what `stationctl --json list` says of it}"""
-        answer = self.ctl("list", timeout="2s")
-        if answer.returncode != 0:
-            return {}
-        data = json.loads(answer.stdout)
-        rows = data["stations"] if isinstance(data, dict) else data
-        return {row["station"]: row for row in rows}
+        return {row["station"]: row for row in self.listed("stations")}
 
     def states(self):
         return {name: row["state"] for name, row in self.stations().items()}

@@ -15,6 +15,10 @@ def scenario():
             )
             epoch = cell.stations()["sealer"]["epoch"]
             cell.kill("controller2")
+            wait_for(
+                "the list has the stations that are gone",
+                lambda: {row["station"] for row in cell.listed("missing")} == {"sealer", "storage"},
+            )
             cell.start_controller("controller2")
             wait_for(
                 f"the sealer runs again after kill {kill + 1}",

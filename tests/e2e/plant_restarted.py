@@ -18,11 +18,15 @@ def scenario():
         cell.start_plant()
         wait_for("controller 1 has its devices back", lambda: "back after" in cell.log("controller1"))
         wait_for("controller 2 has its devices back", lambda: "back after" in cell.log("controller2"))
-        for name, state in cell.states().items():
-            if state != "FAULT":
-                continue
-            answer = cell.ctl("reset", name)
-            check(f"the operator resets {name}", answer.returncode == 0, answer.stdout + answer.stderr)
+        events = cell.ctl("events").stdout
+        check("an event names the device that was lost", '"source":"remote-io-1"' in events, events[-600:])
+        faulted = [name for name, state in cell.states().items() if state == "FAULT"]
+        refused = cell.ctl("start", faulted[0]).stderr
+        for word in ("in FAULT: ST2001", "Cause: ", "Remedy: ", f"stationctl reset {faulted[0]}"):
+            check(f'a Start in FAULT is refused with "{word}"', word in refused, refused)
+        answer = cell.ctl("reset", "all")
+        check("the operator resets all", answer.returncode == 0, answer.stdout + answer.stderr)
+        for name in faulted:
             answer = cell.ctl("start", name)
             check(f"the operator starts {name}", answer.returncode == 0, answer.stdout + answer.stderr)
         cell.wait_stored(12)
