@@ -4,6 +4,7 @@ behind."""
 
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import tempfile
@@ -42,6 +43,9 @@ def without_rights(folder):
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, check=False)
     check("the demo without real-time rights ends with status 0", done.returncode == 0, done.stdout[-900:])
     check("it says that it has none", "without real-time rights" in done.stdout)
+    section = re.search(r'README.md says under "(.+?)"', done.stdout)
+    headings = (ROOT / "README.md").read_text().splitlines()
+    check("it names a section that the README has", section and f"## {section[1]}" in headings, section)
 
 
 def interrupted(folder):
@@ -59,6 +63,32 @@ def interrupted(folder):
     check("an interrupted demo leaves no file", left_in(folder) == [])
 
 
+def child_of(parent, word):
+    """The process that `parent` started with `word` in its command line."""
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            mine = int((entry / "stat").read_text().rpartition(")")[2].split()[1]) == parent
+            if mine and word in (entry / "cmdline").read_text():
+                return int(entry.name)
+        except OSError:
+            continue
+    return None
+
+
+def bereft(folder):
+    """A controller is killed while the demo runs: the demo says so in its own words at the end (SYS-7)."""
+    process = demo(folder, "--speed", "3")
+    lines = []
+    wait_for("storage runs", lambda: lines.append(process.stdout.readline()) or "RUNNING" in lines[-1])
+    os.kill(child_of(process.pid, "controller2.toml"), signal.SIGKILL)
+    wait_for("its stations are away", lambda: lines.append(process.stdout.readline()) or "away" in lines[-1])
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=60)
+    check("it names the controller that had ended", "controller2 had ended before" in said, said[-900:])
+    check("the shell says nothing of its own", "Killed" not in "".join(lines) + said, said[-900:])
+    check("the demo without a controller leaves no file", left_in(folder) == [])
+
+
 def scenario():
     with tempfile.TemporaryDirectory() as folder:
         pieces(folder, "the demo with 5 pieces", "--pieces", "5", "--speed", "3")
@@ -66,6 +96,7 @@ def scenario():
         pieces(folder, "the demo at 1 ms", "--pieces", "5", "--speed", "3", "--period", "1ms")
         without_rights(folder)
         interrupted(folder)
+        bereft(folder)
 
 
 run(scenario)
