@@ -103,6 +103,7 @@ struct Configuration {
   std::string name;                 ///< of the controller
   std::filesystem::path state_dir;  ///< default: $STATE_DIRECTORY, or /var/lib/stationd
   bool require_realtime = false;
+  bool keep_cpus_awake = true;    ///< where a task has a real-time priority
   bool restart_on_stuck = false;  ///< a stuck task also leaves the service manager's watchdog unfed
   LogLevel log_level = LogLevel::info;
   bus::Options bus;  ///< bus.name is the controller's name

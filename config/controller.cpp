@@ -20,6 +20,7 @@ void load_controller_section(const Node& root, Configuration& configuration, Pro
   section.name("name", configuration.name);
   load_state_dir(section, configuration.state_dir);
   section.boolean("require_realtime", configuration.require_realtime);
+  section.boolean("keep_cpus_awake", configuration.keep_cpus_awake);
   section.boolean("restart_on_stuck", configuration.restart_on_stuck);
 }
 

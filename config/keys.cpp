@@ -13,6 +13,9 @@ constexpr std::array kController = {
         "`true`: refuse to start when the system refuses real-time priority, memory lock or CPU; `false`: "
         "say so and "
         "go on."},
+    Key{"keep_cpus_awake", "boolean", "`true`",
+        "`true`: keep the CPUs out of deep sleep, from which they wake late, where a task has a real-time "
+        "priority; `false`: save the power."},
     Key{"restart_on_stuck", "boolean", "`false`",
         "`true`: while a task makes no progress the service manager's watchdog is not fed, so it restarts "
         "the "

@@ -61,6 +61,7 @@ int list(const Arguments& arguments) {
     print_line(stations_json(stations, missing, now_ns));
   } else {
     for (const std::string& line : stations_table(stations, missing, now_ns, 0)) print_line(line);
+    for (const std::string& line : rights_lines(stations)) print_line(line);
   }
   return stations.empty() ? kNoStation : kDone;
 }

@@ -1,6 +1,7 @@
 #include "ctl/output.hpp"
 
 #include <cstdio>
+#include <set>
 #include <utility>
 
 #include "config/units.hpp"
@@ -93,6 +94,18 @@ std::string stations_json(const Stations& stations, const std::vector<Missing>& 
     gone.push_back(out.raw("age_ns", one.seen_ns ? std::to_string(now_ns - *one.seen_ns) : "null").str());
   }
   return JsonObject().raw("stations", json_array(values)).raw("missing", json_array(gone)).str();
+}
+
+std::vector<std::string> rights_lines(const Stations& stations) {
+  std::set<std::string> lines;
+  for (const auto& [name, seen] : stations) {
+    const std::string& rights = seen.status.REALTIME;
+    if (!rights.starts_with("refused")) continue;
+    const CodeInfo* info = find_code(code::realtime_refused);
+    lines.insert(bus::printable(seen.status.CONTROLLER) + ": real-time rights " + bus::printable(rights) +
+                 ". " + std::string(info->remedy));
+  }
+  return {lines.begin(), lines.end()};
 }
 
 std::vector<std::string> stations_table(const Stations& stations, const std::vector<Missing>& missing,

@@ -29,6 +29,8 @@ std::string stations_json(const Stations& stations, const std::vector<Missing>& 
 /// A heading and a line for each station, the missing ones last; none wider than `width` (0: any).
 std::vector<std::string> stations_table(const Stations& stations, const std::vector<Missing>& missing,
                                         std::int64_t now_ns, std::size_t width);
+/// A line for each controller that the kernel refused real-time rights, with the remedy.
+std::vector<std::string> rights_lines(const Stations& stations);
 /// One line without heading: what changes while one watches.
 std::string station_line(const Seen& seen, std::int64_t now_ns);
 std::string missing_line(const Missing& missing, std::int64_t now_ns);

@@ -43,6 +43,8 @@ Obstacle look(Client& client, const Arguments& about, std::int64_t until_ns, Sta
     const auto it = client.stats_seen().find(about.station);
     if (it == client.stats_seen().end()) return false;
     station.stats = it->second;
+    if (const auto status = client.seen().find(about.station); status != client.seen().end())
+      station.realtime = status->second.status.REALTIME;
     return true;
   };
   if (!client.wait(until_ns, heard))

@@ -149,6 +149,7 @@ std::vector<std::string> stats_lines(const StationStats& station) {
   std::vector<std::string> lines{printable(s.STATION) + ": task " + printable(s.TASK) + ", " +
                                  count_text(s.TASK_STATIONS, "station") + ", every " +
                                  config::duration_text(s.PERIOD_NS)};
+  if (!station.realtime.empty()) lines.push_back("  real-time rights: " + printable(station.realtime));
   add_window(lines, s, Window::last_minute);
   add_window(lines, s, Window::since_start);
   for (const bus::HistogramBody& histogram : station.histograms) {
@@ -186,9 +187,12 @@ std::string stats_json(const std::vector<StationStats>& stations) {
     const bus::ScanStats& s = station.stats;
     JsonObject out;
     out.text("station", s.STATION).text("task", s.TASK).number("task_stations", s.TASK_STATIONS);
-    out.number("period_ns", s.PERIOD_NS).number("source_time_ns", s.SOURCE_TIME);
+    out.text("realtime", station.realtime)
+        .number("period_ns", s.PERIOD_NS)
+        .number("source_time_ns", s.SOURCE_TIME);
     for (const Window window : {Window::since_start, Window::last_minute})
       out.raw(name_of(window), window_json(s, window));
+    out.text("realtime", station.realtime);
     if (!station.histograms.empty()) {
       JsonObject histograms;
       for (const bus::HistogramBody& h : station.histograms)

@@ -15,6 +15,7 @@ namespace stationd::ctl {
 struct StationStats {
   bus::ScanStats stats;
   std::vector<bus::HistogramBody> histograms;  ///< empty: not asked for
+  std::string realtime;                        ///< rights granted and refused; empty: not known
 };
 
 /// Three digits: "870ns", "1.23us", "45.6ms", "1.50s".

@@ -6,6 +6,7 @@
 
 #include "dds_bridge/text.hpp"
 #include "scan/clock.hpp"
+#include "scan/codes.hpp"
 #include "scan/error.hpp"
 
 namespace stationd {
@@ -15,11 +16,17 @@ constexpr std::int64_t kScanEndLimitNs = 500'000'000;
 constexpr std::int64_t kStatisticsEveryNs = 1'000'000'000;
 constexpr std::int64_t kReportLimitNs = 2'000'000'000;  // past any line's turn
 
+/// "refused: SCHED_FIFO 80; granted: memory lock, CPU 1"
 std::string join(const std::vector<RtGrant>& grants) {
-  std::string text;
-  for (const RtGrant& g : grants)
-    text += (text.empty() ? "" : ", ") + g.what + (g.granted ? " granted" : " refused");
-  return text.empty() ? "none asked for" : text;
+  std::string refused;
+  std::string granted;
+  for (const RtGrant& g : grants) {
+    std::string& list = g.granted ? granted : refused;
+    list += (list.empty() ? "" : ", ") + g.what;
+  }
+  if (!refused.empty()) refused = "refused: " + refused;
+  if (!granted.empty()) granted = "granted: " + granted;
+  return refused + (refused.empty() || granted.empty() ? "" : "; ") + granted;
 }
 
 }  // namespace
@@ -41,13 +48,30 @@ std::vector<RtGrant> Controller::start_scans() {
   retain_->start();
   bridge_->start();
   std::vector<RtGrant> grants = {lock_memory()};
+  const bool real_time =
+      std::any_of(tasks_.begin(), tasks_.end(), [](const RunningTask& t) { return t.rt.priority > 0; });
+  if (real_time && configuration_.keep_cpus_awake) {
+    cpus_awake_ = std::make_unique<CpusAwake>();
+    grants.push_back(cpus_awake_->grant());
+  }
   for (RunningTask& t : tasks_) {
     t.thread = std::make_unique<RtThread>(*t.task, t.rt, utc_offset_ns_);
     for (RtGrant& g : t.thread->start()) grants.push_back(std::move(g));
   }
+  announce_refusals(grants);
   start_watchdog(grants);
   log_grants(grants);
   return grants;
+}
+
+/// One event for each station: rights are the daemon's. Before the watchdog takes its ring over.
+void Controller::announce_refusals(const std::vector<RtGrant>& grants) {
+  const auto refused =
+      std::count_if(grants.begin(), grants.end(), [](const RtGrant& g) { return !g.granted; });
+  if (refused == 0) return;
+  const std::int64_t utc_ns = monotonic_ns() + utc_offset_ns_;
+  for (const auto& station : stations_)
+    station->port().announce(code::realtime_refused, Severity::warning, refused, utc_ns);
 }
 
 void Controller::start_watchdog(std::vector<RtGrant>& grants) {

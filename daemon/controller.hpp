@@ -93,6 +93,7 @@ class Controller {
   bus::TaskFigures figures_of(const Task& task);
 
   void report_misses(std::int64_t now_ns);
+  void announce_refusals(const std::vector<RtGrant>& grants);
   void start_watchdog(std::vector<RtGrant>& grants);
   void report_stuck();
   void tell_statistics(std::int64_t now_ns);
@@ -111,6 +112,7 @@ class Controller {
   std::shared_ptr<io::SharedPlant> plant_;
   std::vector<std::unique_ptr<io::Device>> devices_;
   std::vector<RunningTask> tasks_;
+  std::unique_ptr<CpusAwake> cpus_awake_;
   std::unique_ptr<RtWatchdog> watchdog_;
   ScanStatistics statistics_;
   std::int64_t next_statistics_ns_ = 0;

@@ -101,11 +101,11 @@ void BusOut::send_events(Out& out) {
   StationPort& port = out.entry->station->port();
   while (true) {
     const Event* scan = port.events.peek();
-    const Event* watchdog = port.watchdog_events.peek();
+    const Event* watchdog = port.runtime_events.peek();
     if (scan == nullptr && watchdog == nullptr) return;
     const bool first = watchdog == nullptr || (scan != nullptr && scan->seq < watchdog->seq);
     Event event;
-    (first ? port.events : port.watchdog_events).pop(event);
+    (first ? port.events : port.runtime_events).pop(event);
     send_event(*out.entry->station, event);
   }
 }

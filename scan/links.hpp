@@ -109,6 +109,8 @@ struct StationPort {
   StationPort(std::size_t requests_capacity, std::size_t events_capacity)
       : requests(requests_capacity), replies(requests_capacity), events(events_capacity) {}
 
+  /// Watchdog thread, or the daemon's set-up before that runs: an event of the runtime's own.
+  void announce(std::uint32_t code, Severity severity, std::int64_t detail, std::int64_t utc_ns) noexcept;
   /// Watchdog thread. The scan makes no progress: takes the permit, marks the station as hung, and raises the
   /// event that the scan cannot.
   void hang(std::int64_t idle_ns, std::int64_t utc_ns) noexcept;
@@ -125,7 +127,7 @@ struct StationPort {
   std::atomic<bool> hung{false};
   std::atomic<bool> executing{false};       ///< the program has the CPU; the watchdog reads, to name it
   std::atomic<std::uint32_t> event_seq{0};  ///< of the last event; scan and watchdog count
-  Ring<Event> watchdog_events{8};           ///< watchdog -> event writer
+  Ring<Event> runtime_events{8};            ///< watchdog (and set-up before it) -> event writer
 };
 
 }  // namespace stationd

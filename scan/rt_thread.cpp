@@ -4,7 +4,6 @@
 #include <sched.h>
 #include <signal.h>
 #include <sys/eventfd.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -52,23 +51,6 @@ void EventfdWaker::wake() noexcept {
   STATIOND_TRUSTED(static_cast<void>(!write(descriptor_, &one, sizeof one)));
 }
 
-RtGrant lock_memory() {
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return {"memory lock", true, ""};
-  return {"memory lock", false,
-          std::string(std::strerror(errno)) +
-              ": grant CAP_IPC_LOCK or raise the memlock limit (systemd: LimitMEMLOCK=)"};
-}
-
-RtGrant ask_for_fifo(pthread_t thread, int priority, const std::string& whose) {
-  sched_param parameters{};
-  parameters.sched_priority = priority;
-  const int e = pthread_setschedparam(thread, SCHED_FIFO, &parameters);
-  return {whose + "SCHED_FIFO " + std::to_string(priority), e == 0,
-          e == 0 ? ""
-                 : std::string(std::strerror(e)) +
-                       ": grant CAP_SYS_NICE or raise the rtprio limit (systemd: LimitRTPRIO=)"};
-}
-
 RtThread::RtThread(Task& task, RtOptions options, const std::atomic<std::int64_t>& utc_offset_ns)
     : task_(task), options_(options), waker_(options.wake_fd), utc_offset_ns_(utc_offset_ns) {
   if (options_.wake_fd >= 0) task_.set_waker(&waker_);
@@ -91,15 +73,7 @@ std::vector<RtGrant> RtThread::start() {
   started_ = true;
   pthread_getcpuclockid(thread_, &cpu_clock_);
   pthread_setname_np(thread_, ("scan-" + task_.options().name).substr(0, 15).c_str());
-  if (options_.cpu >= 0) {
-    cpu_set_t cpus;
-    CPU_ZERO(&cpus);
-    CPU_SET(static_cast<std::size_t>(options_.cpu), &cpus);
-    const int e = pthread_setaffinity_np(thread_, sizeof cpus, &cpus);
-    grants.push_back(
-        {"CPU " + std::to_string(options_.cpu), e == 0,
-         e == 0 ? "" : std::string(std::strerror(e)) + ": choose a CPU that this machine has and allows"});
-  }
+  if (options_.cpu >= 0) grants.push_back(ask_for_cpu(thread_, options_.cpu));
   if (options_.priority > 0) {
     grants.push_back(ask_for_fifo(thread_, options_.priority));
     fifo_.store(grants.back().granted, std::memory_order_relaxed);

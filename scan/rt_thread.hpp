@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "scan/clock.hpp"
+#include "scan/rt_rights.hpp"
 #include "scan/task.hpp"
 
 namespace stationd {
@@ -38,19 +39,6 @@ class EventfdWaker final : public Waker {
  private:
   int descriptor_;
 };
-
-/// What was asked of the kernel and what it said, for log and Status.
-struct RtGrant {
-  std::string what;  ///< "SCHED_FIFO 80", "memory lock", "CPU 1", ...
-  bool granted = false;
-  std::string reason;  ///< why refused, and what to do about it
-};
-
-/// Gives a thread SCHED_FIFO at that priority; the grant's name is `whose` and the policy.
-RtGrant ask_for_fifo(pthread_t thread, int priority, const std::string& whose = "");
-
-/// Locks all present and future memory. From set-up, before threads start.
-RtGrant lock_memory();
 
 class RtThread {
  public:

@@ -41,7 +41,7 @@ void Station::raise(std::uint32_t code, bool active, std::int64_t detail) noexce
 /// As soon as there is room again, before any other event: those cannot keep it out for ever. Where the
 /// reader makes room for one at a time they take turns: it does not keep those out either.
 void Station::report_lost_events() noexcept {
-  const std::uint64_t lost = port_.events.dropped() + port_.watchdog_events.dropped();
+  const std::uint64_t lost = port_.events.dropped() + port_.runtime_events.dropped();
   if (lost == events_reported_lost_) return;
   const std::size_t room = port_.events.room();
   if (room == 0 || (room == 1 && loss_told_last_)) return;

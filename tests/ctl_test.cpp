@@ -63,6 +63,18 @@ StationStats some_stats() {
 
 TEST_SUITE_BEGIN("stationctl command line");
 
+TEST_CASE("controller without real-time rights is named once below the list, with the remedy [SCAN-8]") {
+  Stations stations = two_stations();
+  CHECK(rights_lines(stations).empty());
+  for (auto& [name, seen] : stations) seen.status.REALTIME = "refused: SCHED_FIFO 80; granted: memory lock";
+  const std::vector<std::string> lines = rights_lines(stations);
+  REQUIRE(lines.size() == 1);
+  CHECK(lines[0].starts_with("controller1: real-time rights refused: SCHED_FIFO 80"));
+  CHECK(lines[0].find("CAP_SYS_NICE") != std::string::npos);
+  for (auto& [name, seen] : stations) seen.status.REALTIME = "granted: SCHED_FIFO 80, memory lock";
+  CHECK(rights_lines(stations).empty());
+}
+
 TEST_CASE("options may stand before and behind the command") {
   const Arguments a =
       parse({"--domain", "7", "start", "--json", "robot", "speed=3", "--timeout=500ms", "type=T"});

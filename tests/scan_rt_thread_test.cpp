@@ -242,6 +242,15 @@ TEST_CASE("thread that cannot be had at all is a set-up error that names the tas
   }));
 }
 
+TEST_CASE("CPUs kept awake: granted where the device can be written, else refused with remedies [SCAN-8]") {
+  const CpusAwake granted("/dev/null");
+  CHECK(granted.grant().granted);
+  const CpusAwake refused("/no/such/device");
+  CHECK_FALSE(refused.grant().granted);
+  for (const char* word : {"No such file", "/no/such/device", "keep_cpus_awake = false"})
+    CHECK(refused.grant().reason.find(word) != std::string::npos);
+}
+
 TEST_CASE("memory lock that is refused says so with the remedy [SCAN-8]") {
   CHECK(in_child([] {
     return drop_rights({RLIMIT_MEMLOCK}) && refused({lock_memory()}, "memory lock", "CAP_IPC_LOCK");

@@ -126,7 +126,7 @@ TEST_CASE("scan that is kept waiting by loops on every CPU is not taken for stuc
     const std::uint64_t scans = bystander.task.figures().scans.load();
     CHECK(in_time([&] { return bystander.task.figures().scans.load() > scans + 10; }));
     Event event;
-    CHECK_FALSE(bystander.rig.station->port().watchdog_events.pop(event));
+    CHECK_FALSE(bystander.rig.station->port().runtime_events.pop(event));
     machine.held.store(false);
     CHECK(in_time([&] { return !machine.watchdog->any_stuck(); }));
   }
@@ -143,7 +143,7 @@ TEST_CASE(
   CHECK(report.idle_ns > kLimit);
   StationPort& port = machine.loops[report.task]->rig.station->port();
   Event event;
-  REQUIRE(port.watchdog_events.pop(event));
+  REQUIRE(port.runtime_events.pop(event));
   CHECK(event.code == code::watchdog);
   CHECK(event.active);
   CHECK(event.detail == report.idle_ns);

@@ -55,7 +55,7 @@ TEST_CASE("watchdog's event has a number of its own among the scan's [SCAN-9, AS
   REQUIRE_FALSE(before.empty());
   rig.station->port().hang(5, 7);
   Event event;
-  REQUIRE(rig.station->port().watchdog_events.pop(event));
+  REQUIRE(rig.station->port().runtime_events.pop(event));
   CHECK(event.seq == before.back().seq + 1);
   CHECK(event.utc_ns == 7);
   rig.push(Verb::reset);
