@@ -187,9 +187,7 @@ std::string stats_json(const std::vector<StationStats>& stations) {
     const bus::ScanStats& s = station.stats;
     JsonObject out;
     out.text("station", s.STATION).text("task", s.TASK).number("task_stations", s.TASK_STATIONS);
-    out.text("realtime", station.realtime)
-        .number("period_ns", s.PERIOD_NS)
-        .number("source_time_ns", s.SOURCE_TIME);
+    out.number("period_ns", s.PERIOD_NS).number("source_time_ns", s.SOURCE_TIME);
     for (const Window window : {Window::since_start, Window::last_minute})
       out.raw(name_of(window), window_json(s, window));
     out.text("realtime", station.realtime);
