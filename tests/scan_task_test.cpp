@@ -334,6 +334,29 @@ TEST_CASE("waker is called once a cycle, after publish and before requests are s
   CHECK(t.waker.count == 4);
 }
 
+TEST_CASE("wall clock that is set back and forth changes only the time stamps for people [SCAN-1, SCAN-4]") {
+  constexpr std::int64_t kHourNs = 3'600'000'000'000;
+  TaskRig steady;
+  TaskRig stepped;
+  std::mt19937_64 random(7);
+  for (int cycle = 0; cycle < 1000; ++cycle) {
+    const std::int64_t late_ns = cycle % 97 == 0 ? 25 * kMs : cycle % 3 * 1'000;
+    const std::int64_t offset_ns = static_cast<std::int64_t>(random() % 2'000) * kHourNs;
+    for (TaskRig* t : {&steady, &stepped}) {
+      StationRig::feed(*t->rig.inputs, {1, 2}, t->schedule.due_ns(t->k));
+      t->stopwatch.time_ns = t->schedule.due_ns(t->k) + late_ns;
+      t->k = t->task.run(t->schedule, t->k, t->stopwatch.time_ns, t == &stepped ? offset_ns : 0);
+    }
+    REQUIRE(stepped.k == steady.k);
+    REQUIRE(stepped.rig.status().utc_ns - offset_ns == steady.rig.status().utc_ns);
+    REQUIRE(stepped.rig.program->part.quality() == steady.rig.program->part.quality());
+  }
+  CHECK(steady.misses() > 0);
+  CHECK(stepped.misses() == steady.misses());
+  CHECK(stepped.skipped() == steady.skipped());
+  CHECK(stepped.task.figures().lateness.max_ns() == steady.task.figures().lateness.max_ns());
+}
+
 TEST_CASE("task without a waker wakes nobody") {
   TaskRig t;
   t.task.set_waker(nullptr);
