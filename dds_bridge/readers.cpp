@@ -6,15 +6,14 @@
 #include <utility>
 
 #include "dds_bridge/qos.hpp"
-#include "dds_bridge/topic_type.hpp"
 #include "scan/clock.hpp"
 
 namespace stationd::bus {
 namespace {
 
 constexpr std::int64_t kWatchPeriod = 100'000'000;  // matches and incompatible peers are looked at so often
-constexpr std::size_t kBurst = 16;                  // samples of one topic before Stop is looked at again
-constexpr std::size_t kOrders = 1024;               // orders taken at once
+constexpr std::size_t kBurst = 16;  // samples of one topic in its turn; then Stop is looked at again
+constexpr std::size_t kStops = 64;  // Stops taken at once
 
 Origin origin_of(const compat::dds::SampleInfo& info) noexcept {
   Origin origin;
@@ -66,7 +65,8 @@ void Readers::destroy() noexcept {
     }
     if (made.filtered != nullptr)
       static_cast<void>(participant_.dds().delete_contentfilteredtopic(made.filtered));
-    made = {};
+    made.reader = nullptr;
+    made.filtered = nullptr;
   }
 }
 
@@ -111,11 +111,11 @@ void Readers::describe(std::vector<EndpointQos>& list) const {
 void Readers::run() {
   pthread_setname_np(pthread_self(), "bus-in");
   std::int64_t watched_ns = 0;
+  bool more = false;  // a take ends a reader's wake-up, though samples may be left
   while (!end_.get_trigger_value()) {
     compat::dds::ConditionSeq active;
-    static_cast<void>(waits_.wait(active, compat::duration(kWatchPeriod)));
-    while (!end_.get_trigger_value() && round()) {
-    }
+    if (!more) static_cast<void>(waits_.wait(active, compat::duration(kWatchPeriod)));
+    more = round();
     const std::int64_t now_ns = monotonic_ns();
     writers_.flush_replies(now_ns);
     if (now_ns - watched_ns < kWatchPeriod) continue;
@@ -124,8 +124,8 @@ void Readers::run() {
   }
 }
 
-/// One pass over all readers; true if any had a sample. Stop comes first and again after each burst of
-/// another topic.
+/// One turn for each reader, at most a burst long, so that a flood on one topic costs the others only that;
+/// true if any had a sample. Stop comes first and again between the turns.
 bool Readers::round() {
   bool any = drain_orders();
   any |= take_some<Gse>(TopicId::gse, handlers_.on_gse);
@@ -154,40 +154,30 @@ bool Readers::round() {
 bool Readers::drain_orders() {
   stops_.clear();
   starts_.clear();
-  bool any = take_orders(TopicId::stop, stops_);
-  any |= take_orders(TopicId::start,
-                     starts_);  // after the Stops: what is taken later cannot have been sent before
-  number_orders();
-  for (const Order& order : stops_) guarded([&] { handlers_.on_stop(order.message, order.origin); });
-  for (const Order& order : starts_) guarded([&] { handlers_.on_start(order.message, order.origin); });
-  return any;
+  const std::size_t stops = take_orders(TopicId::stop, kStops, stops_);
+  // After the Stops: what is taken later cannot have been sent before.
+  const std::size_t starts = take_orders(TopicId::start, kBurst, starts_);
+  numbers_.number(stops_, starts_, starts == kBurst);
+  for (const ReceivedOrder& order : stops_) guarded([&] { handlers_.on_stop(order.message, order.origin); });
+  for (const ReceivedOrder& order : starts_)
+    guarded([&] { handlers_.on_start(order.message, order.origin); });
+  return stops + starts > 0;
 }
 
-bool Readers::take_orders(TopicId id, std::vector<Order>& orders) {
-  if (slot(id).reader == nullptr) return false;
-  bool any = false;
+/// How many were taken, readable or not.
+std::size_t Readers::take_orders(TopicId id, std::size_t most, std::vector<ReceivedOrder>& orders) {
+  if (slot(id).reader == nullptr) return 0;
   compat::dds::SampleInfo info;
-  for (std::size_t i = 0; i < kOrders; ++i) {
-    Order order;
+  for (std::size_t i = 0; i < most; ++i) {
+    ReceivedOrder order;
     const Took took = take(id, &order.message, info);
-    if (took == Took::nothing) break;
-    any = true;
+    if (took == Took::nothing) return i;
     if (took != Took::sample) continue;
     order.origin = origin_of(info);
     order.received = info.reception_timestamp.to_ns();
     orders.push_back(std::move(order));
   }
-  return any;
-}
-
-/// A merge by time of receipt; at equal times the Stop counts as the later, so that it wins.
-void Readers::number_orders() {
-  auto start = starts_.begin();
-  for (Order& stop : stops_) {
-    while (start != starts_.end() && start->received <= stop.received) (start++)->origin.order = ++order_;
-    stop.origin.order = ++order_;
-  }
-  while (start != starts_.end()) (start++)->origin.order = ++order_;
+  return most;
 }
 
 template <class T, class Handler> bool Readers::take_some(TopicId id, const Handler& handler) {
@@ -202,13 +192,29 @@ template <class T, class Handler> bool Readers::take_some(TopicId id, const Hand
   return true;
 }
 
+/// From one key (station) after the other: plain take_next_sample() empties the first key that has any, so
+/// that a flood for one station would keep another's samples waiting.
 Readers::Took Readers::take(TopicId id, void* object, compat::dds::SampleInfo& info) noexcept {
   try {
-    Sample sample{object, true};
-    if (compat::number_of(slot(id).reader->take_next_sample(&sample, &info)) != compat::kOk)
-      return Took::nothing;
+    Slot& from = slot(id);
+    from.sample.length(1);
+    from.info.length(1);
+    from.sample[0] = Sample{object, true};
+    const auto next = [&] {
+      from.sample.length(0);  // the library appends
+      from.info.length(0);
+      return compat::number_of(from.reader->take_next_instance(from.sample, from.info, 1, from.last));
+    };
+    auto result = next();
+    if (result == compat::kNoData && from.last.isDefined()) {  // past the last key: from the first again
+      from.last = compat::rtps::InstanceHandle_t();
+      result = next();
+    }
+    if (result != compat::kOk) return Took::nothing;
+    info = from.info[0];
+    from.last = info.instance_handle;
     if (!info.valid_data) return Took::dropped;  // an instance was disposed of: not a message
-    if (sample.valid) return Took::sample;
+    if (from.sample[0].valid) return Took::sample;
   } catch (...) {  // a sample that the library itself cannot take
   }
   participant_.malformed.fetch_add(1, std::memory_order_relaxed);

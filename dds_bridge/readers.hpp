@@ -13,7 +13,9 @@
 #include <thread>
 #include <vector>
 
+#include "dds_bridge/order_numbers.hpp"
 #include "dds_bridge/participant.hpp"
+#include "dds_bridge/topic_type.hpp"
 #include "dds_bridge/writers.hpp"
 
 namespace stationd::bus {
@@ -36,11 +38,10 @@ class Readers {
   struct Slot {
     compat::dds::DataReader* reader = nullptr;
     compat::dds::ContentFilteredTopic* filtered = nullptr;
-  };
-  struct Order {
-    MsgReq message;
-    Origin origin;
-    std::int64_t received = 0;  // by the library's clock
+    // For take(): one sample, and the key that the last one had.
+    compat::dds::LoanableSequence<Sample> sample;
+    compat::dds::SampleInfoSeq info;
+    compat::rtps::InstanceHandle_t last;
   };
   enum class Took : std::uint8_t { nothing, sample, dropped };
 
@@ -49,8 +50,7 @@ class Readers {
   void run();
   bool round();
   bool drain_orders();
-  bool take_orders(TopicId id, std::vector<Order>& orders);
-  void number_orders();
+  std::size_t take_orders(TopicId id, std::size_t most, std::vector<ReceivedOrder>& orders);
   template <class T, class Handler> bool take_some(TopicId id, const Handler& handler);
   Took take(TopicId id, void* object, compat::dds::SampleInfo& info) noexcept;
   template <class Call> void guarded(const Call& call) noexcept;
@@ -63,8 +63,8 @@ class Readers {
   std::array<Slot, kTopics> slots_{};
   compat::dds::WaitSet waits_;
   compat::dds::GuardCondition end_;
-  std::vector<Order> stops_, starts_;
-  std::uint64_t order_ = 0;
+  std::vector<ReceivedOrder> stops_, starts_;
+  OrderNumbers numbers_;
   std::thread thread_;
 };
 

@@ -1,5 +1,7 @@
 #include "dds_bridge/writers.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "dds_bridge/qos.hpp"
@@ -146,12 +148,17 @@ bool Writers::write_reply(const MsgRes& reply, const Origin& related) noexcept t
 }
 
 void Writers::flush_replies(std::int64_t now_ns) noexcept try {
-  const std::lock_guard lock(waiting_mutex_);
-  std::erase_if(waiting_, [&](const Waiting& waiting) {
-    if (now_ns < waiting.until_ns && !reply_readers_.ready(waiting.related, now_ns)) return false;
-    write_related(TopicId::reply, &waiting.reply, &waiting.related, nullptr);
-    return true;
-  });
+  std::vector<Waiting> due;
+  {
+    const std::lock_guard lock(waiting_mutex_);
+    const auto first = std::stable_partition(waiting_.begin(), waiting_.end(), [&](const Waiting& waiting) {
+      return now_ns < waiting.until_ns && !reply_readers_.ready(waiting.related, now_ns);
+    });
+    due.assign(std::make_move_iterator(first), std::make_move_iterator(waiting_.end()));
+    waiting_.erase(first, waiting_.end());
+  }
+  // Without the lock: a write may block, and the bus-out thread adds to those that wait.
+  for (const Waiting& waiting : due) write_related(TopicId::reply, &waiting.reply, &waiting.related, nullptr);
 } catch (...) {  // no memory to look at them: next time
 }
 
