@@ -22,7 +22,11 @@ Controller::Controller(const config::Configuration& configuration, Log& log, con
     : configuration_(configuration), log_(log), programs_(programs),
       lock_(configuration.state_dir, configuration.name), utc_offset_ns_(stationd::utc_offset_ns()) {
   lock_state_directory();
-  retain_ = std::make_unique<RetainThread>(log_, kRetainIntervalNs);
+  retain_ = std::make_unique<RetainThread>(
+      [this](int severity, const std::string& text) {
+        log_.line(static_cast<LogSeverity>(severity), text, {{"STATIOND_EVENT", "retain"}});
+      },
+      kRetainIntervalNs);
   for (const config::StationConfig& s : configuration_.stations) build_station(s);
   build_devices();
   build_tasks();
@@ -79,10 +83,12 @@ void Controller::link_devices(Station& station, std::size_t index) {
 }
 
 void Controller::restore(Station& station) {
-  auto store = std::make_unique<RetainStore>(configuration_.state_dir, station.name(),
+  auto store = std::make_unique<RetainStore>(configuration_.state_dir, configuration_.name, station.name(),
                                              layout_hash(station.image(), station.retain().tags.tags));
   const RetainStore::Loaded loaded = store->load();
   std::uint32_t epoch = loaded.epoch + 1;
+  if (!loaded.adopted.empty())
+    log_.info("station " + station.name() + ": retained data taken over: " + loaded.adopted);
   if (!loaded.refused.empty()) {
     log_.warning("station " + station.name() + ": retained data refused: " + loaded.refused +
                  (loaded.record ? "; the older generation is used" : "; starting cold"));

@@ -119,8 +119,10 @@ std::uint64_t layout_hash(const Image& image, std::span<const TagIndex> tags) {
   return hash;
 }
 
-RetainStore::RetainStore(std::filesystem::path directory, std::string station, std::uint64_t layout)
-    : directory_(std::move(directory)), station_(std::move(station)), layout_(layout) {
+RetainStore::RetainStore(std::filesystem::path directory, const std::string& controller,
+                         const std::string& station, std::uint64_t layout)
+    : directory_(std::move(directory)), name_(controller + "." + station + ".retained."),
+      old_name_(station + ".retained."), layout_(layout) {
   std::error_code e;
   std::filesystem::create_directories(directory_, e);
   if (e || access(directory_.c_str(), W_OK | X_OK) != 0)
@@ -132,7 +134,21 @@ RetainStore::RetainStore(std::filesystem::path directory, std::string station, s
 }
 
 std::filesystem::path RetainStore::path(int index) const {
-  return directory_ / (station_ + ".retained." + std::to_string(index));
+  return directory_ / (name_ + std::to_string(index));
+}
+
+/// Which were renamed, for the log. Each by itself, so that a kill between the two loses none.
+std::string RetainStore::adopt() {
+  std::string adopted;
+  for (int i = 0; i < 2; ++i) {
+    const std::filesystem::path old = directory_ / (old_name_ + std::to_string(i));
+    std::error_code e;
+    if (std::filesystem::exists(path(i), e)) continue;
+    std::filesystem::rename(old, path(i), e);
+    if (!e) adopted += (adopted.empty() ? "" : ", ") + old.string() + " as " + path(i).string();
+  }
+  if (!adopted.empty()) sync_directory(directory_);
+  return adopted;
 }
 
 std::string RetainStore::put_aside(int index, std::string_view why) const {
@@ -145,6 +161,7 @@ std::string RetainStore::put_aside(int index, std::string_view why) const {
 
 RetainStore::Loaded RetainStore::load() {
   Loaded result;
+  result.adopted = adopt();
   std::uint64_t newest_valid = 0;
   bool damaged = false;
   const auto refuse = [&](int index, std::string_view why) {

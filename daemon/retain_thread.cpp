@@ -1,6 +1,7 @@
 #include "daemon/retain_thread.hpp"
 
 #include <chrono>
+#include <utility>
 
 #include "scan/rt_thread.hpp"
 
@@ -11,12 +12,13 @@ constexpr std::chrono::milliseconds kLookEvery{5};
 
 }  // namespace
 
-RetainThread::RetainThread(Log& log, std::int64_t interval_ns) : log_(log), interval_ns_(interval_ns) {}
+RetainThread::RetainThread(RetainLog log, std::int64_t interval_ns)
+    : log_(std::move(log)), interval_ns_(interval_ns) {}
 
 RetainThread::~RetainThread() { stop(); }
 
-void RetainThread::add(Station& station, std::unique_ptr<RetainStore> store) {
-  items_.push_back({&station, std::move(store)});
+void RetainThread::add(Station& station, std::unique_ptr<RetainTarget> target) {
+  items_.push_back({&station, std::move(target)});
 }
 
 void RetainThread::start() {
@@ -32,10 +34,14 @@ void RetainThread::stop() noexcept {
 
 void RetainThread::loop() noexcept {
   while (!stop_.load()) {
-    for (Item& item : items_) look_at(item, monotonic_ns(), false);
+    pass(monotonic_ns(), false);
     std::this_thread::sleep_for(kLookEvery);
   }
-  for (Item& item : items_) look_at(item, monotonic_ns(), true);
+  pass(monotonic_ns(), true);
+}
+
+void RetainThread::pass(std::int64_t now_ns, bool last) noexcept {
+  for (Item& item : items_) look_at(item, now_ns, last);
 }
 
 void RetainThread::look_at(Item& item, std::int64_t now_ns, bool last) noexcept {
@@ -53,15 +59,14 @@ void RetainThread::save(Item& item, std::int64_t now_ns) {
   RetainLink& link = item.station->retain();
   const ConstBlockView block{link.blocks.readable(), link.tags.layout};
   item.last_save_ns = now_ns;
-  if (!item.store->save(item.station->epoch(), block.slots())) {
+  if (!item.target->save(item.station->epoch(), block.slots())) {
     if (!item.failing)
-      log_.error("station " + item.station->name() +
-                 ": retained tags are not written: " + item.store->error());
+      log_(3, "station " + item.station->name() + ": retained tags are not written: " + item.target->error());
     item.failing = true;
     // still unsaved: tried again after the interval; an urgent ticket stays open, so the program waits
     return;
   }
-  if (item.failing) log_.info("station " + item.station->name() + ": retained tags are written again");
+  if (item.failing) log_(1, "station " + item.station->name() + ": retained tags are written again");
   item.failing = false;
   item.unsaved = false;
   link.saved_scan.store(block.header().scan, std::memory_order_release);

@@ -40,7 +40,8 @@ class Directory {
     fs::permissions(path, fs::perms::owner_all);
     fs::remove_all(path);
   }
-  fs::path file(int index) const { return path / ("ST.retained." + std::to_string(index)); }
+  fs::path file(int index) const { return path / ("C.ST.retained." + std::to_string(index)); }
+  fs::path old(int index) const { return path / ("ST.retained." + std::to_string(index)); }
   fs::path aside(int index) const { return file(index).string() + ".refused"; }
   fs::path path;
 };
@@ -49,12 +50,12 @@ class Directory {
 std::vector<Slot> slots_of(Slot n) { return std::vector<Slot>(kSlots, n); }
 
 RetainStore::Loaded load(const Directory& directory, std::uint64_t layout = kLayout) {
-  return RetainStore(directory.path, "ST", layout).load();
+  return RetainStore(directory.path, "C", "ST", layout).load();
 }
 
 /// Saves n = 1 .. count, epoch 10.
 void save_to(const Directory& directory, Slot count) {
-  RetainStore store(directory.path, "ST", kLayout);
+  RetainStore store(directory.path, "C", "ST", kLayout);
   store.load();
   for (Slot n = 1; n <= count; ++n) REQUIRE(store.save(10, slots_of(n)));
 }
@@ -91,7 +92,7 @@ TEST_CASE("store that was never written gives nothing and has nothing to complai
 
 TEST_CASE("record that was saved is loaded with its epoch [IMG-4]") {
   const Directory directory;
-  RetainStore store(directory.path, "ST", kLayout);
+  RetainStore store(directory.path, "C", "ST", kLayout);
   store.load();
   const std::vector<Slot> slots = {0, 1, ~Slot{0}, 42};
   CHECK(store.save(77, slots));
@@ -105,7 +106,7 @@ TEST_CASE("record that was saved is loaded with its epoch [IMG-4]") {
 
 TEST_CASE("record without slots is a record [IMG-4]") {
   const Directory directory;
-  RetainStore store(directory.path, "ST", kLayout);
+  RetainStore store(directory.path, "C", "ST", kLayout);
   CHECK(store.save(5, {}));
   const auto loaded = load(directory);
   REQUIRE(loaded.record.has_value());
@@ -115,7 +116,7 @@ TEST_CASE("record without slots is a record [IMG-4]") {
 TEST_CASE("saves take turns with two files, over restarts, too, and the newest is loaded [IMG-4]") {
   const Directory directory;
   for (Slot n = 1; n <= 20; ++n) {
-    RetainStore store(directory.path, "ST", kLayout);
+    RetainStore store(directory.path, "C", "ST", kLayout);
     store.load();
     CHECK(store.save(1, slots_of(2 * n)));
     const std::string before = content(directory.file(0)) + content(directory.file(1));
@@ -134,7 +135,7 @@ TEST_CASE("newest valid record is never the one written over [IMG-4]") {
     const Directory copy;
     fs::copy_file(directory.file(i), copy.file(i));
     const std::string kept = content(copy.file(i));
-    RetainStore store(copy.path, "ST", kLayout);
+    RetainStore store(copy.path, "C", "ST", kLayout);
     REQUIRE(store.load().record.has_value());
     CHECK(store.save(10, slots_of(9)));
     CHECK(content(copy.file(i)) == kept);
@@ -144,7 +145,53 @@ TEST_CASE("newest valid record is never the one written over [IMG-4]") {
 TEST_CASE("stations of one directory do not share a record [IMG-4]") {
   const Directory directory;
   save_to(directory, 2);
-  CHECK_FALSE(RetainStore(directory.path, "OTHER", kLayout).load().record.has_value());
+  CHECK_FALSE(RetainStore(directory.path, "C", "OTHER", kLayout).load().record.has_value());
+}
+
+TEST_CASE("stations of one name of two controllers do not share a record [IMG-4]") {
+  const Directory directory;
+  save_to(directory, 2);
+  RetainStore other(directory.path, "C2", "ST", kLayout);
+  CHECK_FALSE(other.load().record.has_value());
+  CHECK(other.save(3, slots_of(7)));
+  CHECK(load(directory).record->slots == slots_of(2));
+  CHECK(RetainStore(directory.path, "C2", "ST", kLayout).load().record->slots == slots_of(7));
+}
+
+TEST_CASE("files named without the controller are adopted once, by the first that asks [IMG-4]") {
+  const Directory directory;
+  save_to(directory, 3);
+  for (int i = 0; i < 2; ++i) fs::rename(directory.file(i), directory.old(i));
+  const auto loaded = load(directory);
+  REQUIRE(loaded.record.has_value());
+  CHECK(loaded.record->slots == slots_of(3));
+  CHECK(loaded.epoch == 10);
+  for (int i = 0; i < 2; ++i) {
+    CHECK(loaded.adopted.find(directory.old(i).string() + " as " + directory.file(i).string()) !=
+          std::string::npos);
+    CHECK_FALSE(fs::exists(directory.old(i)));
+  }
+  CHECK(load(directory).adopted.empty());
+  CHECK_FALSE(RetainStore(directory.path, "C2", "ST", kLayout).load().record.has_value());
+}
+
+TEST_CASE("files of the old name whose adoption was cut short are adopted by the next start [IMG-4]") {
+  for (int adopted = 0; adopted < 2; ++adopted) {
+    const Directory directory;
+    save_to(directory, 3);
+    fs::rename(directory.file(1 - adopted), directory.old(1 - adopted));
+    CHECK(load(directory).record->slots == slots_of(3));
+  }
+}
+
+TEST_CASE("file of the old name never replaces one of the new [IMG-4]") {
+  const Directory directory;
+  save_to(directory, 3);
+  fs::copy_file(directory.file(1), directory.old(0));
+  const auto loaded = load(directory);
+  CHECK(loaded.adopted.empty());
+  CHECK(loaded.record->slots == slots_of(3));
+  CHECK(fs::exists(directory.old(0)));
 }
 
 TEST_CASE("every truncation of the newest file gives the older record, of the older one the newest [IMG-4]") {
@@ -159,7 +206,7 @@ TEST_CASE("every truncation of the newest file gives the older record, of the ol
       REQUIRE(loaded.record.has_value());
       REQUIRE(loaded.record->slots == slots_of(i == newest ? 2 : 3));
       REQUIRE(loaded.epoch == 11);
-      REQUIRE(loaded.refused.find("ST.retained." + std::to_string(i) + " is damaged") != std::string::npos);
+      REQUIRE(loaded.refused.find("C.ST.retained." + std::to_string(i) + " is damaged") != std::string::npos);
       REQUIRE(content(directory.aside(i)) == saved.bytes[i].substr(0, size));
       REQUIRE_FALSE(fs::exists(directory.file(i)));
     }
@@ -237,7 +284,7 @@ TEST_CASE("record of another layout is refused and kept aside, its epoch goes on
 TEST_CASE("store whose files were refused saves and loads again [IMG-4]") {
   const Directory directory;
   save_to(directory, 2);
-  RetainStore store(directory.path, "ST", kLayout + 1);
+  RetainStore store(directory.path, "C", "ST", kLayout + 1);
   store.load();
   CHECK(store.save(11, slots_of(5)));
   CHECK(load(directory, kLayout + 1).record->slots == slots_of(5));
@@ -245,7 +292,7 @@ TEST_CASE("store whose files were refused saves and loads again [IMG-4]") {
 
 TEST_CASE("record that grows or shrinks leaves nothing of the longer one behind [IMG-4]") {
   const Directory directory;
-  RetainStore store(directory.path, "ST", kLayout);
+  RetainStore store(directory.path, "C", "ST", kLayout);
   for (const std::size_t count : {9UL, 9UL, 2UL, 2UL, 5UL}) {
     CHECK(store.save(1, std::vector<Slot>(count, count)));
     CHECK(load(directory).record->slots == std::vector<Slot>(count, count));
@@ -255,7 +302,7 @@ TEST_CASE("record that grows or shrinks leaves nothing of the longer one behind 
 
 TEST_CASE("save that the disk has no room for fails with the reason and keeps the older record [IMG-4]") {
   const Directory directory;
-  RetainStore store(directory.path, "ST", kLayout);
+  RetainStore store(directory.path, "C", "ST", kLayout);
   REQUIRE(store.save(1, slots_of(1)));
   struct sigaction ignore {
   }, old_action{};
@@ -272,7 +319,7 @@ TEST_CASE("save that the disk has no room for fails with the reason and keeps th
   sigaction(SIGXFSZ, &old_action, nullptr);
   CHECK_FALSE(saved);
   CHECK(error.find("No space left on device") != std::string::npos);
-  CHECK(error.find("ST.retained.1") != std::string::npos);
+  CHECK(error.find("C.ST.retained.1") != std::string::npos);
   CHECK(loaded.record->slots == slots_of(1));
   CHECK(store.save(1, slots_of(3)));
   CHECK(load(directory).record->slots == slots_of(3));
@@ -280,7 +327,7 @@ TEST_CASE("save that the disk has no room for fails with the reason and keeps th
 
 TEST_CASE("file that is deleted while the store is open is made anew [IMG-4]") {
   const Directory directory;
-  RetainStore store(directory.path, "ST", kLayout);
+  RetainStore store(directory.path, "C", "ST", kLayout);
   for (Slot n = 1; n <= 2; ++n) REQUIRE(store.save(1, slots_of(n)));
   fs::remove(directory.file(0));
   fs::remove(directory.file(1));
@@ -298,30 +345,30 @@ TEST_CASE("directory in a file's place is kept aside [IMG-4]") {
 
 TEST_CASE("state directory is made with its parents") {
   const Directory directory;
-  const RetainStore store(directory.path / "a" / "b", "ST", kLayout);
+  const RetainStore store(directory.path / "a" / "b", "C", "ST", kLayout);
   CHECK(fs::is_directory(directory.path / "a" / "b"));
 }
 
 TEST_CASE("state directory that cannot be made is refused with what to do") {
   const Directory directory;
   put(directory.path / "file", "x");
-  CHECK_THROWS_WITH_AS(RetainStore(directory.path / "file", "ST", kLayout),
+  CHECK_THROWS_WITH_AS(RetainStore(directory.path / "file", "C", "ST", kLayout),
                        doctest::Contains("cannot be written"), SetupError);
-  CHECK_THROWS_WITH_AS(RetainStore(directory.path / "file" / "below", "ST", kLayout),
+  CHECK_THROWS_WITH_AS(RetainStore(directory.path / "file" / "below", "C", "ST", kLayout),
                        doctest::Contains("Not a directory; set [controller] state_dir"), SetupError);
 }
 
 TEST_CASE("state directory that this user may not write is refused with what to do") {
   if (geteuid() == 0) {
     MESSAGE("root may write anywhere: /proc stands for a directory that nobody may");
-    CHECK_THROWS_WITH_AS(RetainStore("/proc/stationd", "ST", kLayout), doctest::Contains("cannot be written"),
-                         SetupError);
+    CHECK_THROWS_WITH_AS(RetainStore("/proc/stationd", "C", "ST", kLayout),
+                         doctest::Contains("cannot be written"), SetupError);
     return;
   }
   const Directory directory;
   fs::permissions(directory.path, fs::perms::owner_read | fs::perms::owner_exec);
-  CHECK_THROWS_WITH_AS(RetainStore(directory.path, "ST", kLayout), doctest::Contains("Permission denied"),
-                       SetupError);
+  CHECK_THROWS_WITH_AS(RetainStore(directory.path, "C", "ST", kLayout),
+                       doctest::Contains("Permission denied"), SetupError);
 }
 
 TEST_CASE("layout hash tells names, types, lengths and order apart [IMG-4]") {
