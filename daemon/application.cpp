@@ -147,8 +147,6 @@ int run_controller(const config::Configuration& configuration, const ProgramList
     // Nothing that the stuck thread uses may be freed under it; the devices have their safe values.
     log.error("a scan thread does not end: its program loops; giving it up");
     log.flush();
-    const timespec pause{0, 200'000'000};
-    nanosleep(&pause, nullptr);
     _exit(kExitFailure);
   }
   log.info("ended: " + controller.status_line());

@@ -110,6 +110,7 @@ bool Controller::stop() noexcept {
   if (retain_) retain_->stop();
   if (bridge_) bridge_->stop();
   report_misses(monotonic_ns() + kReportLimitNs);
+  log_.report_dropped(monotonic_ns() + kReportLimitNs);
   return ended;
 }
 
@@ -163,6 +164,7 @@ void Controller::housekeep(std::int64_t now_ns) {
   report_misses(now_ns);
   report_stuck();
   tell_statistics(now_ns);
+  log_.report_dropped(now_ns);
 }
 
 /// Once a second, and at once to who has just begun to listen; nothing is written for nobody.
