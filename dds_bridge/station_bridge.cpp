@@ -132,7 +132,6 @@ void StationBridge::Impl::report(const Status& status, bool give_way) {
   }
   context.gave_way = true;
   context.log.say("duplicate" + status.STATION, 3, text + ": this one gives way", monotonic_ns());
-  if (context.options.on_duplicate) context.options.on_duplicate(status.STATION, status.CONTROLLER);
 }
 
 void StationBridge::Impl::run() {

@@ -41,8 +41,6 @@ struct BridgeOptions {
   /// sides.
   std::int64_t newcomer_ns = 3'000'000'000;
   std::size_t event_backlog = 4096;  ///< events kept while readers do not take them; then the oldest are lost
-  /// Called once, on the bus-in thread, when duplicate_station() gets its name. May be unset.
-  std::function<void(const std::string& station, const std::string& controller)> on_duplicate = {};
 };
 
 /// Counted since start; exact, while the log is throttled.

@@ -10,10 +10,10 @@
 namespace stationd::io {
 
 Device::Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
-               std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change, Clock clock)
+               std::vector<DeviceBinding> bindings, DeviceLog log, Clock clock)
     : options_(std::move(options)), backend_(std::move(backend)), bindings_(std::move(bindings)),
       selection_(points, bindings_), report_(options_), log_(std::move(log)),
-      on_change_(std::move(on_change)), clock_(clock), inputs_(count_of(points, Direction::input)),
+      clock_(clock), inputs_(count_of(points, Direction::input)),
       published_(bindings_.size()) {}
 
 Device::~Device() {
@@ -78,8 +78,7 @@ bool Device::round(std::int64_t now_ns) {
   const bool ok = result.status == ExchangeStatus::ok;
   if (ok) publish_inputs(receipt_ns);
   count(result, receipt_ns);
-  // What a failed round wrote is unknown; OnReturn::safe_first settles it.
-  returning_ = !ok && on_return_ == OnReturn::safe_first;
+  returning_ = !ok;  // what a failed round wrote is unknown: a round of safe values settles it
   return ok;
 }
 
@@ -98,8 +97,6 @@ void Device::count(const ExchangeResult& result, std::int64_t now_ns) {
   counters_.connected.store(ok, std::memory_order_relaxed);
   const DeviceLine line = report_.line(result, now_ns);
   if (!line.text.empty() && log_) log_(line.severity, line.text);
-  const DeviceReport::Change change = report_.change(now_ns);
-  if (change != DeviceReport::Change::none && on_change_) on_change_(change == DeviceReport::Change::lost);
 }
 
 void Device::publish_inputs(std::int64_t receipt_ns) noexcept {

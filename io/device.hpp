@@ -24,8 +24,6 @@ namespace stationd::io {
 
 /// A line for the log, from the device's thread: severity 0 debug .. 3 error.
 using DeviceLog = std::function<void(int severity, const std::string& text)>;
-/// From the device's thread: the device counts as lost (its inputs are BAD now), or is back after that.
-using DeviceChange = std::function<void(bool lost)>;
 
 /// Counters of a device, for any thread.
 struct DeviceCounters {
@@ -43,8 +41,7 @@ class Device {
   using Clock = std::int64_t (*)();
 
   Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
-         std::vector<DeviceBinding> bindings, DeviceLog log, DeviceChange on_change = {},
-         Clock clock = monotonic_ns);
+         std::vector<DeviceBinding> bindings, DeviceLog log, Clock clock = monotonic_ns);
   ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
@@ -80,12 +77,10 @@ class Device {
   OutputSelection selection_;
   DeviceReport report_;
   DeviceLog log_;
-  DeviceChange on_change_;
   Clock clock_;
   std::vector<Slot> inputs_;
   std::vector<std::uint64_t> published_;
   DeviceCounters counters_;
-  OnReturn on_return_ = OnReturn::safe_first;
   bool returning_ = true;
   mutable std::mutex error_mutex_;
   std::string last_error_;

@@ -46,8 +46,7 @@ const std::vector<OutputValue>& OutputSelection::select(bool returning) noexcept
   return now_;
 }
 
-DeviceReport::DeviceReport(const DeviceOptions& options)
-    : where_("device " + options.name), bad_after_ns_(options.bad_after_ns) {
+DeviceReport::DeviceReport(const DeviceOptions& options) : where_("device " + options.name) {
   if (options.kind == DeviceKind::modbus)
     where_ += " (" + options.host + ":" + std::to_string(options.port) + " unit " +
               std::to_string(options.unit) + ")";
@@ -62,7 +61,6 @@ DeviceLine DeviceReport::line(const ExchangeResult& result, std::int64_t now_ns)
     else
       failed_for_ns_ = now_ns - failing_since_ns_;
   }
-  if (ok || !seen_) last_ok_ns_ = now_ns;
   seen_ = true;
   ok_ = ok;
   const bool was_reached = reached_;
@@ -81,13 +79,6 @@ DeviceLine DeviceReport::line(const ExchangeResult& result, std::int64_t now_ns)
     return {1, where_ + ": back after " + std::to_string(failed_for_ns_ / 1'000'000) +
                    " ms, safe values first" + more};
   return {2, where_ + (was_reached ? ": lost: " : ": not reached: ") + describe(result) + more};
-}
-
-DeviceReport::Change DeviceReport::change(std::int64_t now_ns) noexcept {
-  const bool lost = !ok_ && (lost_ || now_ns - last_ok_ns_ > bad_after_ns_);
-  if (lost == lost_) return Change::none;
-  lost_ = lost;
-  return lost ? Change::lost : Change::back;
 }
 
 std::string describe(const ExchangeResult& result) {

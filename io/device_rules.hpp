@@ -24,11 +24,6 @@ struct DeviceBinding {
       output_points;  ///< for each tag of `outputs`: its place among the device's outputs
 };
 
-/// What a device gets first when it comes back.
-enum class OnReturn : std::uint8_t {
-  safe_first  ///< one round of safe values, then the program's
-};
-
 /// The safe value of each output point, in their order.
 std::vector<OutputValue> safe_values(const std::vector<Point>& points);
 std::size_t count_of(const std::vector<Point>& points, Direction direction);
@@ -57,8 +52,8 @@ struct DeviceLine {
   std::string text;
 };
 
-/// Follows the results of the rounds: one line per change, at most one a second, none kept back for good; and
-/// whether the device counts as lost, which it does once its inputs are BAD.
+/// Follows the results of the rounds: one line per change, at most one a second, none kept back for good. The
+/// event of a lost device is the station's, which sees its inputs turn BAD.
 class DeviceReport {
  public:
   static constexpr std::int64_t kLineEveryNs = 1'000'000'000;
@@ -66,21 +61,14 @@ class DeviceReport {
   explicit DeviceReport(const DeviceOptions& options);
   DeviceLine line(const ExchangeResult& result, std::int64_t now_ns);
 
-  enum class Change : std::uint8_t { none, lost, back };
-  /// After line().
-  Change change(std::int64_t now_ns) noexcept;
-
  private:
   enum class Said : std::uint8_t { nothing, ok, failed };
 
   std::string where_;
-  std::int64_t bad_after_ns_;
   Said said_ = Said::nothing;
   bool ok_ = false;
   bool seen_ = false;     // any round yet
   bool reached_ = false;  // ever ok
-  bool lost_ = false;
-  std::int64_t last_ok_ns_ = 0;  // or the first round
   std::int64_t failing_since_ns_ = 0;
   std::int64_t failed_for_ns_ = 0;
   std::int64_t next_line_ns_ = INT64_MIN;
