@@ -11,20 +11,6 @@ namespace {
 
 using Raw = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
 
-std::uint32_t width_of(io::Table table, TagType type) {
-  if (is_bit_table(table)) return 1;
-  switch (type) {
-    case TagType::DINT:
-    case TagType::UDINT:
-    case TagType::REAL: return 2;
-    case TagType::LINT:
-    case TagType::ULINT:
-    case TagType::LREAL:
-    case TagType::TIME: return 4;
-    default: return 1;
-  }
-}
-
 bool is_real(TagType type) { return type == TagType::REAL || type == TagType::LREAL; }
 
 double real_of(TagType type, Slot slot) {
@@ -158,12 +144,12 @@ class StationCheck {
       return;
     else if (spec.type == TagType::STRING)
       problems_.add(mapping.at_position, path + ".at", "the tag is a STRING, which cannot be mapped");
-    else if (is_bit_table(mapping.point.table) != (spec.type == TagType::BOOL))
+    else if (io::is_bits(mapping.point.table) != (spec.type == TagType::BOOL))
       problems_.add(mapping.at_position, path + ".at",
                     "found the table " + std::string(short_name(mapping.point.table)) +
                         " for a tag of type " + type +
                         "; allowed is BOOL in co and di, numbers in ir and hr");
-    else if (mapping.point.address + width_of(mapping.point.table, spec.type) > 65536)
+    else if (mapping.point.address + io::width_of(mapping.point.table, spec.type) > 65536)
       problems_.add(mapping.at_position, path + ".at",
                     "a " + type + " does not fit behind the last address, 65535");
   }
@@ -255,7 +241,7 @@ std::vector<Stretch> stretches_of(const Configuration& configuration) {
       for (const TagMapping& mapping : *group) {
         if (mapping.device.empty()) continue;
         const io::Point& point = mapping.point;
-        const std::uint32_t last = point.address + width_of(point.table, point.type) - 1U;
+        const std::uint32_t last = point.address + io::width_of(point.table, point.type) - 1U;
         all.push_back({mapping.device, point.table, point.address, last, point.type,
                        group == &station.outputs, &mapping,
                        mapping_path(station, point.direction, mapping.tag)});

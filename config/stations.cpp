@@ -44,7 +44,7 @@ void check_table(const Section& section, const TagMapping& mapping, io::Directio
     section.problem("at", "found the table " + std::string(short_name(table)) +
                               ", which can only be read; allowed for outputs are co and hr");
   if (!mapping.type) return;
-  if (is_bit_table(table) != (*mapping.type == TagType::BOOL))
+  if (io::is_bits(table) != (*mapping.type == TagType::BOOL))
     section.problem("type", "found " + std::string(name_of(*mapping.type)) + " in the table " +
                                 std::string(short_name(table)) +
                                 "; allowed is BOOL in co and di, numbers in ir and hr");
@@ -115,7 +115,7 @@ void load_mappings(const Member* group, io::Direction direction, const Configura
     mapping.type_position = section.position("type");
     load_type(section, mapping.type);
     mapping.point.type =
-        mapping.type.value_or(is_bit_table(mapping.point.table) ? TagType::BOOL : TagType::UINT);
+        mapping.type.value_or(io::is_bits(mapping.point.table) ? TagType::BOOL : TagType::UINT);
     if (input)
       load_max_age(section, configuration, mapping);
     else

@@ -10,48 +10,8 @@
 namespace stationd::config {
 namespace {
 
-struct Unit {
-  std::string_view name;
-  std::int64_t factor;
-};
-constexpr std::array<Unit, 6> kDurations = {{{"h", 3'600'000'000'000},
-                                             {"min", 60'000'000'000},
-                                             {"s", 1'000'000'000},
-                                             {"ms", 1'000'000},
-                                             {"us", 1'000},
-                                             {"ns", 1}}};
 constexpr std::array<Unit, 5> kSizes = {
     {{"MiB", 1 << 20}, {"KiB", 1 << 10}, {"MB", 1'000'000}, {"kB", 1'000}, {"B", 1}}};
-
-/// A decimal number and a unit, exactly: "1.5ms". The product must be whole.
-std::optional<std::int64_t> parse_with_unit(std::string_view text, std::span<const Unit> units) {
-  std::size_t end = 0;
-  while (end < text.size() && ((text[end] >= '0' && text[end] <= '9') || text[end] == '.')) ++end;
-  const std::string_view digits = text.substr(0, end);
-  std::string_view name = text.substr(end);
-  while (!name.empty() && name.front() == ' ') name.remove_prefix(1);
-  const auto unit = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == name; });
-  if (digits.empty() || unit == units.end()) return std::nullopt;
-  const std::size_t dot = digits.find('.');
-  std::string fraction(dot == std::string_view::npos ? std::string_view{} : digits.substr(dot + 1));
-  if (digits.front() == '.' || digits.back() == '.' || fraction.size() > 12) return std::nullopt;
-  const std::string all = std::string(digits.substr(0, dot)) + fraction;
-  std::int64_t value = 0;
-  const auto [rest, error] = std::from_chars(all.data(), all.data() + all.size(), value);
-  if (error != std::errc{} || rest != all.data() + all.size()) return std::nullopt;
-  std::int64_t scale = 1;
-  for (std::size_t i = 0; i < fraction.size(); ++i) scale *= 10;
-  std::int64_t product = 0;
-  if (__builtin_mul_overflow(value, unit->factor, &product) || product % scale != 0) return std::nullopt;
-  return product / scale;
-}
-
-std::string with_unit(std::int64_t value, std::span<const Unit> units) {
-  for (const Unit& unit : units)
-    if (value != 0 && value % unit.factor == 0)
-      return std::to_string(value / unit.factor) + std::string(unit.name);
-  return std::to_string(value) + std::string(units.back().name);
-}
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1), row(b.size() + 1), two_before(b.size() + 1);
@@ -118,10 +78,6 @@ std::string modicon_error(std::string_view text, std::string_view device, const 
 
 }  // namespace
 
-std::optional<std::int64_t> parse_duration_ns(std::string_view text) {
-  return parse_with_unit(text, kDurations);
-}
-std::string duration_text(std::int64_t ns) { return with_unit(ns, kDurations); }
 std::optional<std::int64_t> parse_size_bytes(std::string_view text) { return parse_with_unit(text, kSizes); }
 std::string size_text(std::int64_t bytes) { return with_unit(bytes, kSizes); }
 
@@ -230,10 +186,6 @@ std::string_view short_name(io::Table table) noexcept {
   for (const auto& [name, value] : kTables)
     if (value == table) return name;
   return "?";
-}
-
-bool is_bit_table(io::Table table) noexcept {
-  return table == io::Table::coil || table == io::Table::discrete_input;
 }
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> known) {

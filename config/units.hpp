@@ -1,4 +1,4 @@
-// Units and addresses as people write them: durations, sizes, IPv4 addresses, points of a device, names.
+// Units and addresses as configuration files write them: sizes, IPv4 addresses, points of a device, names.
 // Owned by nobody; pure functions.
 // Set-up only; any thread.
 #pragma once
@@ -10,13 +10,12 @@
 #include <string_view>
 
 #include "io/options.hpp"
+#include "scan/units.hpp"
 
 namespace stationd::config {
 
-/// "250us", "10ms", "1.5s", "2min": whole nanoseconds; nothing for a missing unit or anything else.
-std::optional<std::int64_t> parse_duration_ns(std::string_view text);
-/// The same the other way round, in the largest unit that gives a whole number: "10ms".
-std::string duration_text(std::int64_t ns);
+using stationd::duration_text;
+using stationd::parse_duration_ns;
 
 /// "8KiB", "1MiB", "512B", "64kB".
 std::optional<std::int64_t> parse_size_bytes(std::string_view text);
@@ -45,7 +44,6 @@ struct PointAddress {
 std::optional<PointAddress> parse_point(std::string_view text, std::string& error);
 
 std::string_view short_name(io::Table table) noexcept;  ///< "co", "di", "hr", "ir"
-bool is_bit_table(io::Table table) noexcept;
 
 /// The one of `known` that `word` is most likely a misspelling of; empty: none is near.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> known);

@@ -7,19 +7,10 @@
 #include <limits>
 #include <optional>
 
+#include "scan/units.hpp"
+
 namespace stationd::bus {
 namespace {
-
-struct Unit {
-  std::string_view name;
-  std::int64_t ns;
-};
-constexpr std::array<Unit, 6> kUnits = {{{"h", 3'600'000'000'000},
-                                         {"min", 60'000'000'000},
-                                         {"s", 1'000'000'000},
-                                         {"ms", 1'000'000},
-                                         {"us", 1'000},
-                                         {"ns", 1}}};
 
 template <class T> std::optional<T> number(std::string_view text) {
   T value{};
@@ -29,21 +20,11 @@ template <class T> std::optional<T> number(std::string_view text) {
 }
 
 std::optional<std::int64_t> time_ns(std::string_view text) {
-  const std::size_t digits = text.find_first_not_of("-.0123456789");
-  if (digits == std::string_view::npos || digits == 0) return std::nullopt;
-  for (const Unit& unit : kUnits) {
-    if (unit.name != text.substr(digits)) continue;
-    if (const auto whole = number<std::int64_t>(text.substr(0, digits))) {
-      std::int64_t ns = 0;
-      if (__builtin_mul_overflow(*whole, unit.ns, &ns)) return std::nullopt;
-      return ns;
-    }
-    const auto value = number<double>(text.substr(0, digits));
-    constexpr double limit = 9.2e18;
-    if (!value || !(std::abs(*value * static_cast<double>(unit.ns)) < limit)) return std::nullopt;
-    return std::llround(*value * static_cast<double>(unit.ns));
-  }
-  return std::nullopt;
+  const bool negative = text.starts_with('-');
+  if (negative) text.remove_prefix(1);
+  if (text.find(' ') != std::string_view::npos) return std::nullopt;
+  const auto ns = parse_duration_ns(text);
+  return negative && ns ? std::optional(-*ns) : ns;
 }
 
 bool has_range(const TagSpec& spec) { return spec.min != 0 || spec.max != 0; }
@@ -100,14 +81,6 @@ template <class T> std::string decimal(T value) {
   return error == std::errc{} ? std::string(text.data(), end) : std::string("?");
 }
 
-std::string time_text(std::int64_t ns) {
-  if (ns == 0) return "0s";
-  for (const Unit& unit : kUnits) {
-    if (ns % unit.ns == 0) return std::to_string(ns / unit.ns).append(unit.name);
-  }
-  return {};
-}
-
 }  // namespace
 
 ParsedValue parse_value(const TagSpec& spec, std::string_view text) {
@@ -125,7 +98,7 @@ std::string format_value(TagType type, Slot slot) {
     case TagType::BOOL: return slot != 0 ? "true" : "false";
     case TagType::REAL: return decimal(from_slot<float>(slot));
     case TagType::LREAL: return decimal(from_slot<double>(slot));
-    case TagType::TIME: return time_text(static_cast<std::int64_t>(slot));
+    case TagType::TIME: return duration_text(static_cast<std::int64_t>(slot));
     case TagType::ULINT: return decimal(slot);
     case TagType::STRING: return "?";
     default: return decimal(static_cast<std::int64_t>(slot));

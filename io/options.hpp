@@ -14,6 +14,26 @@ namespace stationd::io {
 /// Modbus's four tables. `Table::discrete_input` and `Table::input_register` are read-only.
 enum class Table : std::uint8_t { coil, discrete_input, holding_register, input_register };
 
+/// Tables of bits, for BOOL; the others are of 16-bit registers.
+constexpr bool is_bits(Table table) noexcept {
+  return table == Table::coil || table == Table::discrete_input;
+}
+
+/// Registers (or bits) that a value takes: 64-bit types 4, 32-bit ones 2, all others and bits 1.
+constexpr std::uint32_t width_of(Table table, TagType type) noexcept {
+  if (is_bits(table)) return 1;
+  switch (type) {
+    case TagType::DINT:
+    case TagType::UDINT:
+    case TagType::REAL: return 2;
+    case TagType::LINT:
+    case TagType::ULINT:
+    case TagType::LREAL:
+    case TagType::TIME: return 4;
+    default: return 1;
+  }
+}
+
 enum class Direction : std::uint8_t { input, output };
 
 /// What an output does while its station has no permit: a value, or left as the device has it.

@@ -32,7 +32,7 @@ TEST_CASE("duration text names the largest unit that is whole [CFG-1]") {
   CHECK(duration_text(250'000) == "250us");
   CHECK(duration_text(60'000'000'000) == "1min");
   CHECK(duration_text(1'500'000'000) == "1500ms");
-  CHECK(duration_text(0) == "0ns");
+  CHECK(duration_text(0) == "0s");
 }
 
 TEST_CASE("size needs a unit [CFG-2]") {

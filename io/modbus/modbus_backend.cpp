@@ -70,7 +70,7 @@ ExchangeResult ModbusBackend::write(const Request& request, std::span<const Outp
     for (std::size_t i = s.begin; i < s.end; ++i) {
       const Item& item = request.items[i];
       const Slot value = outputs[item.point].value;
-      if (modbus::is_bits(request.table))
+      if (is_bits(request.table))
         modbus::put_bit(adu, item.offset - first, value != 0);
       else
         modbus::put_value(adu, item.offset - first, item.type, value);
@@ -86,7 +86,7 @@ ExchangeResult ModbusBackend::read(const Request& request, std::span<Slot> input
   const ExchangeResult result = transact(adu, request);
   if (result.status != ExchangeStatus::ok) return result;
   for (const Item& item : request.items)
-    inputs[item.point] = modbus::is_bits(request.table)
+    inputs[item.point] = is_bits(request.table)
                              ? static_cast<Slot>(modbus::bit_at(connection_.reply(), item.offset))
                              : modbus::value_at(connection_.reply(), item.offset, item.type);
   return result;

@@ -66,20 +66,6 @@ std::vector<Request> plan(const std::vector<Point>& points, Direction direction,
 
 }  // namespace
 
-std::uint32_t width_of(Table table, TagType type) noexcept {
-  if (is_bits(table)) return 1;
-  switch (type) {
-    case TagType::DINT:
-    case TagType::UDINT:
-    case TagType::REAL: return 2;
-    case TagType::LINT:
-    case TagType::ULINT:
-    case TagType::LREAL:
-    case TagType::TIME: return 4;
-    default: return 1;
-  }
-}
-
 std::vector<Request> plan_reads(const std::vector<Point>& points) {
   return plan(points, Direction::input, {kMaxReadRegisters, kMaxReadBits, kReadGapRegisters, kReadGapBits});
 }

@@ -19,13 +19,6 @@ inline constexpr std::uint32_t kMaxWriteRegisters = 123, kMaxWriteBits = 1968;
 /// Places that nobody asked for and that are read all the same, to save a request.
 inline constexpr std::uint32_t kReadGapRegisters = 8, kReadGapBits = 64;
 
-constexpr bool is_bits(Table table) noexcept {
-  return table == Table::coil || table == Table::discrete_input;
-}
-
-/// Registers (or bits) that a value takes: 64-bit types 4, 32-bit ones 2, all others and bits 1.
-std::uint32_t width_of(Table table, TagType type) noexcept;
-
 /// A point's place in a request's data.
 struct Item {
   std::uint32_t point = 0;   ///< its number among the device's inputs (outputs)

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "scan/units.hpp"
+
 namespace stationd::plant {
 
 namespace {
@@ -26,17 +28,10 @@ std::int64_t parse_integer(std::string_view text, std::string_view what, std::in
 }
 
 std::int64_t parse_duration_ns(std::string_view text, std::string_view what) {
-  constexpr double kMax = 1e17;  // three years
-  double value = 0;
-  const char* const last = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), last, value);
-  const std::string_view unit(end, static_cast<std::size_t>(last - end));
-  const double scale = unit == "s" ? 1e9 : unit == "ms" ? 1e6 : unit == "us" ? 1e3 : unit == "ns" ? 1.0 : 0.0;
-  const double ns = value * scale;
-  if (error != std::errc{} || scale == 0.0 || !std::isfinite(ns) || ns < 0 || ns > kMax) {
-    refuse(what, text, "a duration such as 500ms or 2s (ns, us, ms, s)");
-  }
-  return std::llround(ns);
+  constexpr std::int64_t kMost = 100'000'000'000'000'000;  // three years
+  const auto ns = stationd::parse_duration_ns(text);
+  if (!ns || *ns > kMost) refuse(what, text, "a duration such as 500ms or 2s (ns, us, ms, s, min, h)");
+  return *ns;
 }
 
 double parse_positive(std::string_view text, std::string_view what, double max) {

@@ -14,23 +14,15 @@ struct Size {
   std::size_t point = 0;  ///< addresses that the point takes; 0: its type cannot be there
 };
 
-std::size_t registers_of(TagType type) noexcept {
-  switch (type) {
+/// 0 for types that a register does not hold as they are.
+std::size_t registers_of(const Point& point) noexcept {
+  switch (point.type) {
     case TagType::BOOL:
     case TagType::SINT:
     case TagType::USINT:
     case TagType::STRING: return 0;
-    case TagType::INT:
-    case TagType::UINT: return 1;
-    case TagType::DINT:
-    case TagType::UDINT:
-    case TagType::REAL: return 2;
-    case TagType::LINT:
-    case TagType::ULINT:
-    case TagType::LREAL:
-    case TagType::TIME: return 4;
+    default: return width_of(point.table, point.type);
   }
-  return 0;
 }
 
 Size size_of(const Point& point) noexcept {
@@ -38,8 +30,8 @@ Size size_of(const Point& point) noexcept {
   switch (point.table) {
     case Table::coil: return {plant::kCoils, bits};
     case Table::discrete_input: return {plant::kDiscreteInputs, bits};
-    case Table::holding_register: return {plant::kHoldingRegisters, registers_of(point.type)};
-    case Table::input_register: return {plant::kInputRegisters, registers_of(point.type)};
+    case Table::holding_register: return {plant::kHoldingRegisters, registers_of(point)};
+    case Table::input_register: return {plant::kInputRegisters, registers_of(point)};
   }
   return {};
 }
@@ -80,8 +72,7 @@ Slot read_point(const UnitIo& io, const Point& point) noexcept {
   const std::uint16_t* const registers =
       point.table == Table::input_register ? io.input_registers.data() : io.holding_registers.data();
   Slot value = 0;
-  for (std::size_t i = 0; i < registers_of(point.type); ++i)
-    value = (value << 16) | registers[point.address + i];
+  for (std::size_t i = 0; i < registers_of(point); ++i) value = (value << 16) | registers[point.address + i];
   return sign_extended(point.type, value);
 }
 
@@ -90,7 +81,7 @@ void write_point(UnitIo& io, const Point& point, Slot value) noexcept {
     io.coils[point.address] = value != 0;
     return;
   }
-  for (std::size_t i = registers_of(point.type); i > 0; --i) {
+  for (std::size_t i = registers_of(point); i > 0; --i) {
     io.holding_registers[point.address + i - 1] = static_cast<std::uint16_t>(value & 0xFFFF);
     value >>= 16;
   }
