@@ -59,6 +59,7 @@ void prepare_process() {
   const sigset_t set = signals_of_interest();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is a failed write like a full disk, not the end
 }
 
 LogSeverity severity_of(config::LogLevel level) { return static_cast<LogSeverity>(level); }
@@ -126,8 +127,9 @@ int serve(Controller& controller, const config::Configuration& configuration, co
   }
 }
 
+/// `stopping_ns`: when the end began, of a controller that ran.
 int run_controller(const config::Configuration& configuration, const ProgramList& programs, Log& log,
-                   Notify& notify) {
+                   Notify& notify, std::int64_t& stopping_ns) {
   Controller controller(configuration, log, programs);
   const std::vector<RtGrant> grants = controller.start_scans();
   for (const RtGrant& grant : grants)
@@ -142,6 +144,7 @@ int run_controller(const config::Configuration& configuration, const ProgramList
   log.info("ready: " + controller.status_line());
   notify.ready(controller.status_line());
   const int status = serve(controller, configuration, programs, log, notify);
+  stopping_ns = monotonic_ns();
   notify.stopping();
   if (!controller.stop()) {
     // Nothing that the stuck thread uses may be freed under it; the devices have their safe values.
@@ -158,7 +161,11 @@ int run(const config::Configuration& configuration, const ProgramList& programs)
   Log log(configuration.name, severity_of(configuration.log_level));
   SystemdNotify notify;
   try {
-    return run_controller(configuration, programs, log, notify);
+    std::int64_t stopping_ns = 0;
+    const int status = run_controller(configuration, programs, log, notify, stopping_ns);
+    if (stopping_ns != 0)
+      log.info("all ended within " + std::to_string((monotonic_ns() - stopping_ns) / 1'000'000) + " ms");
+    return status;
   } catch (const AlreadyRunning& e) {
     log.error(e.what());
     return kExitUnavailable;

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::int64_t kScanEndLimitNs = 500'000'000;
 constexpr std::int64_t kStatisticsEveryNs = 1'000'000'000;
+constexpr std::int64_t kDevicePatienceNs = 400'000'000;
 constexpr std::int64_t kReportLimitNs = 2'000'000'000;  // past any line's turn
 
 /// "refused: SCHED_FIFO 80; granted: memory lock, CPU 1"
@@ -101,11 +102,14 @@ void Controller::start_field() {
 
 bool Controller::stop() noexcept {
   if (std::exchange(stopped_, true)) return true;
+  const std::int64_t patient_until_ns = monotonic_ns() + kDevicePatienceNs;
   for (auto& device : devices_) device->request_stop();  // safe values first, whatever becomes of the scans
   bool ended = true;
   for (RunningTask& t : tasks_)
     if (t.thread && !t.thread->stop(kScanEndLimitNs)) ended = false;
   if (watchdog_) watchdog_->stop();
+  for (auto& device : devices_)
+    if (!device->ended_by(patient_until_ns)) device->interrupt();
   for (auto& device : devices_) device->stop();
   if (retain_) retain_->stop();
   if (bridge_) bridge_->stop();

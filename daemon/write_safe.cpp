@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <string_view>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "daemon/device_points.hpp"
 #include "daemon/exit_status.hpp"
@@ -18,6 +22,7 @@ namespace stationd {
 namespace {
 
 constexpr std::int64_t kTryForNs = 2'000'000'000;
+constexpr std::int64_t kLongestWaitNs = 1'000'000'000;  // all has to fit into the unit's TimeoutStopSec=
 constexpr timespec kPause{0, 50'000'000};
 
 /// Outputs alone: what cannot be read must not keep them from being written.
@@ -27,15 +32,39 @@ std::vector<io::Point> outputs_of(const config::Configuration& configuration, co
   return points;
 }
 
-io::ExchangeResult write_safe_to(io::DeviceOptions device, const std::vector<io::Point>& points) {
+/// Why not; empty: written. As text, since a result's detail is the backend's and ends with it.
+std::string write_safe_to(io::DeviceOptions device, const std::vector<io::Point>& points) {
   device.heartbeat_period_ns = 0;
+  device.timeout_ns = std::min(device.timeout_ns, kLongestWaitNs);
   io::ModbusBackend backend(device, points);
   const std::int64_t until_ns = monotonic_ns() + kTryForNs;
   while (true) {
     const io::ExchangeResult result = io::write_safe(backend, points, monotonic_ns());
-    if (result.status == io::ExchangeStatus::ok || monotonic_ns() > until_ns) return result;
+    if (result.status == io::ExchangeStatus::ok) return {};
+    if (monotonic_ns() > until_ns) return io::describe(result);
     nanosleep(&kPause, nullptr);
   }
+}
+
+struct Attempt {
+  const io::DeviceOptions* device;
+  std::vector<io::Point> outputs;
+  std::string problem;
+};
+
+/// All at once: a device that is not there must not cost the others their turn before the service manager's
+/// patience ends.
+void write_all(std::vector<Attempt>& attempts) {
+  std::vector<std::thread> threads;
+  for (Attempt& attempt : attempts) {
+    const auto write = [&attempt] { attempt.problem = write_safe_to(*attempt.device, attempt.outputs); };
+    try {
+      threads.emplace_back(write);
+    } catch (const std::system_error&) {  // no thread to be had
+      write();
+    }
+  }
+  for (std::thread& thread : threads) thread.join();
 }
 
 }  // namespace
@@ -53,16 +82,19 @@ int write_safe_outputs(const config::Configuration& configuration) {
                  configuration.name.c_str(), lock.path().c_str());
     return kExitUnavailable;
   }
+  std::vector<Attempt> attempts;
+  for (const io::DeviceOptions& device : configuration.devices)
+    if (device.kind == io::DeviceKind::modbus)
+      attempts.push_back({&device, outputs_of(configuration, device.name), {}});
+  write_all(attempts);
   int status = kExitOk;
-  for (const io::DeviceOptions& device : configuration.devices) {
-    if (device.kind != io::DeviceKind::modbus) continue;
-    const io::ExchangeResult result = write_safe_to(device, outputs_of(configuration, device.name));
-    if (result.status == io::ExchangeStatus::ok) {
-      std::printf("%s: safe values written\n", device.name.c_str());
+  for (const Attempt& attempt : attempts) {
+    const char* name = attempt.device->name.c_str();
+    if (attempt.problem.empty()) {
+      std::printf("%s: safe values written\n", name);
       continue;
     }
-    std::fprintf(stderr, "%s: safe values NOT written: %s\n", device.name.c_str(),
-                 io::describe(result).c_str());
+    std::fprintf(stderr, "%s: safe values NOT written: %s\n", name, attempt.problem.c_str());
     status = kExitFailure;
   }
   return status;

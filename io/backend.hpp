@@ -46,8 +46,12 @@ class Backend {
   virtual ExchangeResult exchange(std::span<const OutputValue> outputs, std::span<Slot> inputs,
                                   std::int64_t now_ns) = 0;
 
-  /// Gives up the connection; a blocked exchange need not be interrupted.
+  /// Gives up the connection; the next exchange makes a new one at once, without back-off.
   virtual void close() noexcept = 0;
+
+  /// Any thread: the end has come. An exchange that blocks now fails at once, and none waits longer than some
+  /// 0.2 s for a connection or an answer any more, whatever the device's time-out.
+  virtual void interrupt() noexcept {}
 };
 
 }  // namespace stationd::io

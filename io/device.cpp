@@ -48,6 +48,13 @@ void Device::stop() noexcept {
   running_ = false;
 }
 
+bool Device::ended_by(std::int64_t until_ns) {
+  if (!running_) return true;
+  std::unique_lock lock(mutex_);
+  const std::chrono::steady_clock::time_point until{std::chrono::nanoseconds(until_ns)};
+  return wake_.wait_until(lock, until, [this] { return ended_; });
+}
+
 void Device::loop() {
   const Schedule grid(clock_(), 0, options_.period_ns);
   std::uint64_t k = 0;
@@ -64,11 +71,21 @@ void Device::loop() {
   }
   lock.unlock();
   finish(clock_());
+  lock.lock();
+  ended_ = true;
+  wake_.notify_all();
 }
 
 void Device::finish(std::int64_t now_ns) {
   returning_ = true;  // the last round is a safe one, whatever the permits say
-  round(now_ns);
+  bool safe = round(now_ns);
+  if (!safe) {
+    // Its connection was lost, perhaps rounds ago, and waits for its next turn: the device may well be there.
+    backend_->close();
+    safe = round(clock_());
+  }
+  if (!safe && log_)
+    log_(3, "device " + options_.name + ": safe values NOT written at the end: " + last_error());
   backend_->close();
 }
 

@@ -50,7 +50,11 @@ class Device {
   void start();
   /// Asks the thread to write safe values once more and end; does not wait.
   void request_stop() noexcept;
-  /// Waits for that: at most about twice the device's time-out.
+  /// Whether the thread has ended by then (CLOCK_MONOTONIC); waits for it that long.
+  bool ended_by(std::int64_t until_ns);
+  /// Leaves a thread that has not ended little time: see Backend::interrupt().
+  void interrupt() noexcept { backend_->interrupt(); }
+  /// Waits for the thread's end: some times the device's time-out, or half a second after interrupt().
   void stop() noexcept;
 
   const DeviceOptions& options() const noexcept { return options_; }
@@ -60,7 +64,8 @@ class Device {
 
   /// One round at now_ns; the thread's body, and what tests call without a thread. True: the device answered.
   bool round(std::int64_t now_ns);
-  /// The thread's last act, also for tests: one round of safe values, then the connection's end.
+  /// The thread's last act, also for tests: a round of safe values, a second one over a new connection if
+  /// that fails, then the connection's end.
   void finish(std::int64_t now_ns);
 
  private:
@@ -87,6 +92,7 @@ class Device {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false;
+  bool ended_ = false;
   bool running_ = false;
   pthread_t thread_{};
 };

@@ -21,6 +21,8 @@ struct Field {
   std::vector<Slot> inputs = {0, 0};
   std::vector<std::vector<OutputValue>> written;
   bool closed = false;
+  int closes = 0;
+  bool heals_when_closed = false;  ///< a new connection is good
 };
 
 class FakeBackend final : public Backend {
@@ -32,7 +34,11 @@ class FakeBackend final : public Backend {
     std::copy(field_.inputs.begin(), field_.inputs.end(), inputs.begin());
     return field_.result;
   }
-  void close() noexcept override { field_.closed = true; }
+  void close() noexcept override {
+    field_.closed = true;
+    ++field_.closes;
+    if (field_.heals_when_closed) field_.result = {};
+  }
 
  private:
   Field& field_;
@@ -219,6 +225,33 @@ TEST_CASE("last act is a round of safe values, then the connection's end [IO-6]"
   rig.device.finish(virtual_now_ns);
   CHECK(rig.last() == "0 7 -");
   CHECK(rig.field.closed);
+}
+
+TEST_CASE("last act over a connection that is gone is tried once more over a new one [IO-6]") {
+  Rig rig;
+  rig.drive();
+  rig.fail(ExchangeStatus::disconnected);  // lost, perhaps rounds ago: it waits for its next attempt
+  rig.round();
+  rig.field.heals_when_closed = true;
+  const std::size_t rounds = rig.field.written.size();
+  rig.device.finish(virtual_now_ns);
+  CHECK(rig.field.written.size() == rounds + 2);
+  CHECK(rig.last() == "0 7 -");
+  CHECK(rig.device.counters().connected);
+  CHECK(rig.field.closes == 2);
+  for (const std::string& line : rig.lines) CHECK(line.find("NOT written") == std::string::npos);
+}
+
+TEST_CASE("last act that does not reach the device is said, and ends [IO-3, IO-6]") {
+  Rig rig;
+  rig.drive();
+  rig.fail(ExchangeStatus::timeout);
+  const std::size_t rounds = rig.field.written.size();
+  rig.device.finish(virtual_now_ns);
+  CHECK(rig.field.written.size() == rounds + 2);
+  CHECK(rig.lines.back() ==
+        "device io-1: safe values NOT written at the end: no answer in time (read di 0..1): Connection timed "
+        "out");
 }
 
 TEST_CASE("write_safe writes values and leaves what is to be held [IO-6]") {

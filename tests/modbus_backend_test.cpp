@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <thread>
 
 #include <doctest/doctest.h>
 
@@ -117,6 +118,34 @@ TEST_CASE("refused connection is said at once, and waits before the next attempt
   CHECK(second.status == ExchangeStatus::disconnected);
   CHECK(second.code == 0);
   CHECK(backend.exchange(outputs, inputs, kS).code == ECONNREFUSED);
+}
+
+TEST_CASE("connection that is given up is made anew at once, whatever the back-off [IO-6]") {
+  ModbusBackend backend(options_for(closed_port()), some_points());
+  std::vector<OutputValue> outputs(4);
+  std::vector<Slot> inputs(4);
+  for (std::int64_t now_ns = 0; now_ns < 60 * kS; now_ns += 10 * kS)
+    backend.exchange(outputs, inputs, now_ns);
+  CHECK(backend.exchange(outputs, inputs, 50 * kS + 1).code == 0);  // it waits
+  backend.close();
+  CHECK(backend.exchange(outputs, inputs, 50 * kS + 2).code == ECONNREFUSED);
+}
+
+TEST_CASE("exchange that waits for a silent device is ended from another thread [IO-3]") {
+  ModbusPeer server({"/usr/bin/python3", STATIOND_SOURCE_DIR "/tests/modbus_faults.py"});
+  DeviceOptions options = options_for(server.port());
+  options.timeout_ns = 3'600 * kS;
+  ModbusBackend backend(options, some_points());
+  std::vector<OutputValue> outputs(4);
+  std::vector<Slot> inputs(4);
+  REQUIRE(backend.exchange(outputs, inputs, 0).status == ExchangeStatus::ok);
+  server.ask("requests");
+  server.ask("fault silent");
+  std::thread blocked([&] { CHECK(backend.exchange(outputs, inputs, kS).status != ExchangeStatus::ok); });
+  while (server.ask("requests").empty()) std::this_thread::yield();  // it has asked, so it waits
+  backend.interrupt();
+  blocked.join();  // else the test would wait for an hour
+  CHECK(backend.exchange(outputs, inputs, 100 * kS).status != ExchangeStatus::ok);  // nor does the next one
 }
 
 TEST_CASE("each fault of a device is told by its kind and the next round is good again [IO-3]") {

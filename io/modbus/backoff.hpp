@@ -16,6 +16,11 @@ class Backoff {
   explicit Backoff(std::uint64_t seed) noexcept : random_(seed * 2 + 1) {}
 
   bool may_try(std::int64_t now_ns) const noexcept { return now_ns >= next_ns_; }
+  /// The next attempt is due at once.
+  void forget() noexcept {
+    wait_ns_ = kFirstNs;
+    next_ns_ = INT64_MIN;
+  }
   void succeeded() noexcept { wait_ns_ = kFirstNs; }
   void failed(std::int64_t now_ns) noexcept {
     random_ = random_ * 6364136223846793005U + 1442695040888963407U;

@@ -48,9 +48,22 @@ Connection::~Connection() { close(); }
 
 void Connection::close() noexcept {
   if (context_ == nullptr) return;
+  use(-1);
   modbus_close(context_);
   modbus_free(context_);
   context_ = nullptr;
+}
+
+/// The socket that interrupt() shuts down; -1: none.
+void Connection::use(int socket) noexcept {
+  const std::lock_guard lock(mutex_);
+  socket_ = socket;
+}
+
+void Connection::interrupt() noexcept {
+  const std::lock_guard lock(mutex_);
+  timeout_ns_ = std::min(timeout_ns_.load(), kLastWaitNs);
+  if (socket_ >= 0) ::shutdown(socket_, SHUT_RDWR);
 }
 
 ExchangeResult Connection::connect_socket(int socket) const noexcept {
@@ -76,6 +89,7 @@ ExchangeResult Connection::open() noexcept {
   // Connecting is done here: libmodbus's own aborts the process on a descriptor that FD_SET cannot take.
   const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (socket < 0) return {ExchangeStatus::disconnected, "socket", errno};
+  use(socket);
   ExchangeResult result;
   if (socket >= FD_SETSIZE) result = {ExchangeStatus::disconnected, "more than 1024 open files", EMFILE};
   if (result.status == ExchangeStatus::ok) result = connect_socket(socket);
@@ -85,13 +99,15 @@ ExchangeResult Connection::open() noexcept {
     if (context_ == nullptr) result = {ExchangeStatus::disconnected, "connect", errno};
   }
   if (result.status != ExchangeStatus::ok) {
+    use(-1);
     ::close(socket);
     return result;
   }
   modbus_set_socket(context_, socket);
   modbus_set_error_recovery(context_, MODBUS_ERROR_RECOVERY_NONE);
-  const auto seconds = static_cast<std::uint32_t>(timeout_ns_ / kNsPerS);
-  const auto microseconds = static_cast<std::uint32_t>(timeout_ns_ % kNsPerS / 1'000);
+  const std::int64_t timeout_ns = timeout_ns_;
+  const auto seconds = static_cast<std::uint32_t>(timeout_ns / kNsPerS);
+  const auto microseconds = static_cast<std::uint32_t>(timeout_ns % kNsPerS / 1'000);
   modbus_set_response_timeout(context_, seconds, microseconds);
   modbus_set_byte_timeout(context_, 0,
                           0);  // the response time-out limits the whole reply, however slowly it drips

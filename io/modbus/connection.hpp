@@ -1,10 +1,12 @@
 // Connection: one TCP connection to a Modbus device, and one request with its reply over it.
 // Owned by the device's backend.
-// The device thread; blocks at most about the time-out per call.
+// The device thread, but for interrupt(); blocks at most about the time-out per call.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <span>
 #include <string>
 
@@ -27,6 +29,9 @@ class Connection {
   bool is_open() const noexcept { return context_ != nullptr; }
   ExchangeResult open() noexcept;
   void close() noexcept;
+  /// Any thread: a call that blocks now fails at once, and no later one waits longer than kLastWaitNs.
+  void interrupt() noexcept;
+  static constexpr std::int64_t kLastWaitNs = 200'000'000;
 
   /// Sends the request, waits for the reply and judges it. After all but ok and an exception the connection
   /// is closed: what comes late would be taken for the answer to the next request.
@@ -36,11 +41,14 @@ class Connection {
 
  private:
   ExchangeResult connect_socket(int socket) const noexcept;
+  void use(int socket) noexcept;
   ExchangeResult receive(const Adu& request) noexcept;
 
   std::string host_;
   std::uint16_t port_;
-  std::int64_t timeout_ns_;
+  std::atomic<std::int64_t> timeout_ns_;
+  std::mutex mutex_;  // for socket_: what is closed must not be shut down by its number
+  int socket_ = -1;
   _modbus* context_ = nullptr;  // libmodbus's; owns the socket
   std::array<std::uint8_t, kMaxAduBytes> reply_{};
   std::size_t reply_size_ = 0;

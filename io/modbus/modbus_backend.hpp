@@ -22,7 +22,11 @@ class ModbusBackend final : public Backend {
   /// A failed request ends the round: at most one time-out, and what was written before it counts as unknown.
   ExchangeResult exchange(std::span<const OutputValue> outputs, std::span<Slot> inputs,
                           std::int64_t now_ns) override;
-  void close() noexcept override { connection_.close(); }
+  void close() noexcept override {
+    connection_.close();
+    backoff_.forget();
+  }
+  void interrupt() noexcept override { connection_.interrupt(); }
 
  private:
   ExchangeResult exchange_all(std::span<const OutputValue> outputs, std::span<Slot> inputs,
