@@ -2,16 +2,22 @@
 
 #include <sys/stat.h>
 #include <systemd/sd-journal.h>
+#include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdlib>
 #include <string>
 
 namespace stationd {
 
 void PlainOutput::write(const LogRecord& record) {
-  std::fwrite(record.line.data(), 1, record.line.size(), file_);
-  std::fflush(file_);
+  std::string_view rest = record.line;
+  while (!rest.empty()) {
+    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+    if (written < 0 && errno != EINTR) return;  // there is nowhere to say so
+    if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
+  }
 }
 
 void JournalOutput::write(const LogRecord& record) {
@@ -34,9 +40,9 @@ bool is_journal(const char* journal_stream, int descriptor) {
 }
 
 std::unique_ptr<LogOutput> standard_output() {
-  if (is_journal(std::getenv("JOURNAL_STREAM"), fileno(stderr)))
+  if (is_journal(std::getenv("JOURNAL_STREAM"), STDERR_FILENO))
     return std::make_unique<JournalOutput>(sd_journal_sendv);
-  return std::make_unique<PlainOutput>(stderr);
+  return std::make_unique<PlainOutput>(STDERR_FILENO);
 }
 
 }  // namespace stationd

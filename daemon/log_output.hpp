@@ -6,7 +6,6 @@
 #include <sys/uio.h>
 
 #include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <string_view>
@@ -33,14 +32,15 @@ class LogOutput {
   virtual void write(const LogRecord& record) = 0;
 };
 
-/// Lines for people; fields are left out.
+/// Lines for people; fields are left out. Not through stdio: a thread that is stuck in a write there holds a
+/// lock that the process's end waits for.
 class PlainOutput final : public LogOutput {
  public:
-  explicit PlainOutput(std::FILE* file) : file_(file) {}
+  explicit PlainOutput(int descriptor) : descriptor_(descriptor) {}
   void write(const LogRecord& record) override;
 
  private:
-  std::FILE* file_;
+  int descriptor_;
 };
 
 /// Entries with MESSAGE, PRIORITY and the line's fields. The journal has a time and a name of its own.

@@ -103,7 +103,7 @@ TEST_CASE("Journal gets message, priority and fields of each line (SCAN-4)") {
 TEST_CASE("Standard error gets one line each with name and severity, without the fields (SCAN-4)") {
   const File file = temporary();
   {
-    Log log("controller1", LogSeverity::info, std::make_unique<PlainOutput>(file.get()));
+    Log log("controller1", LogSeverity::info, std::make_unique<PlainOutput>(fileno(file.get())));
     log.line(LogSeverity::warning, "deadline miss", {{"STATIOND_TASK", "fast"}});
     log.info("two");
   }

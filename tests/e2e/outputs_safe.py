@@ -4,30 +4,12 @@
 A gripper's safe value is `hold`: it keeps what the device has.
 """
 
+import signal
 import subprocess
 
 from cell import BIN, ROOT, Cell, check, run, wait_for
-from pymodbus.client import ModbusTcpClient
-
-GRIPPER = 7
-LOADER = 1
-
-
-class Field:
-    """The loader's coils as the device has them."""
-
-    def __init__(self, port):
-        self.client = ModbusTcpClient("127.0.0.1", port=port, timeout=3)
-        self.client.connect()
-
-    def coils(self):
-        return [int(bit) for bit in self.client.read_coils(0, count=8, slave=LOADER).bits[:8]]
-
-    def set_all(self):
-        self.client.write_coils(0, [True] * 8, slave=LOADER)
-
-    def others(self):
-        return sum(self.coils()[:GRIPPER])
+from field import GRIPPER, Field
+from out_of_reach import BlackHole
 
 
 def before_start(cell, field):
@@ -58,6 +40,40 @@ def after_kill(cell, field):
     check("and the outputs are safe", field.others() == 0, field.coils())
 
 
+def while_lost(cell, field):
+    """SIGTERM comes while the connection is lost and its next attempt is a while off: one is made at once."""
+    cell.start_controller("controller1")
+    run_until_driven(cell, field, "the device stops answering")
+    plant = cell.processes["plantsim"]
+    plant.send_signal(signal.SIGSTOP)
+    before = len(cell.log("controller1"))
+    wait_for(
+        "the station is in FAULT, its device out of reach",
+        lambda: cell.states().get("loader") == "FAULT" and "remote-io-1" in cell.log("controller1")[before:],
+    )
+    scans = cell.stations()["loader"]["scans"]  # 10 ms each: the back-off has grown to seconds
+    wait_for("400 scans pass", lambda: cell.stations()["loader"]["scans"] > scans + 400)
+    plant.send_signal(signal.SIGCONT)
+    check("the daemon ends with status 0", cell.end("controller1") == 0)
+    check("the device is safe all the same", field.others() == 0, field.coils())
+
+
+def beside_dead_ones(cell, field):
+    """--write-safe reaches the living device while it still tries the dead ones before it."""
+    dead = BlackHole()
+    device = '[[device]]\nname = "dead-{}"\naddress = "127.0.0.1:{}"\nunit = {}\ntimeout = "10s"\n\n'
+    text = (ROOT / "config" / "controller1.toml").read_text()
+    file = cell.work / "dead.toml"
+    devices = "".join(device.format(i, dead.port, i) for i in range(1, 6))
+    file.write_text(text.replace("[[device]]", devices + "[[device]]", 1))
+    field.set_all()
+    process = cell.start("write-safe", BIN / "stationd", "--write-safe", file)
+    wait_for("the living device is safe", lambda: field.others() == 0)
+    check("while the dead ones are still being tried", process.poll() is None)
+    check("whose failure is the exit status", cell.processes.pop("write-safe").wait(60) == 1)
+    check("each of them is named", cell.log("write-safe").count("NOT written: no connection") == 5)
+
+
 def scenario():
     with Cell(speed=0.1) as cell:
         cell.start_plant("--watchdog", "600s")
@@ -71,6 +87,8 @@ def scenario():
         check("its outputs are safe when it has ended", field.others() == 0, field.coils())
         cell.start_controller("controller1")
         after_kill(cell, field)
+        while_lost(cell, field)
+        beside_dead_ones(cell, field)
 
 
 run(scenario)
