@@ -1,4 +1,4 @@
-"""The loader's coils as its device has them, read by pymodbus (scenarios that use it run /usr/bin/python3)."""
+"""The loader's coils as its device has them, by pymodbus: scenarios that use it run /usr/bin/python3."""
 
 from pymodbus.client import ModbusTcpClient
 
