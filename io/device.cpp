@@ -12,9 +12,8 @@ namespace stationd::io {
 Device::Device(DeviceOptions options, std::unique_ptr<Backend> backend, const std::vector<Point>& points,
                std::vector<DeviceBinding> bindings, DeviceLog log, Clock clock)
     : options_(std::move(options)), backend_(std::move(backend)), bindings_(std::move(bindings)),
-      selection_(points, bindings_), report_(options_), log_(std::move(log)),
-      clock_(clock), inputs_(count_of(points, Direction::input)),
-      published_(bindings_.size()) {}
+      selection_(points, bindings_), report_(options_), log_(std::move(log)), clock_(clock),
+      inputs_(count_of(points, Direction::input)), published_(bindings_.size()) {}
 
 Device::~Device() {
   request_stop();
