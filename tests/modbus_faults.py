@@ -58,6 +58,10 @@ class Unit:
             self.tables["hr"][first : first + count] = struct.unpack(f">{count}H", pdu[6:])
         return pdu[:5]
 
+    def note(self, what):
+        with self.lock:
+            self.requests.append(what)
+
     def answer(self, pdu):
         function, first, count = struct.unpack(">BHH", pdu[:5])
         with self.lock:
@@ -111,6 +115,7 @@ def serve(connection, unit):
         pdu = stream.read(length - 1)
         fault = unit.fault
         if fault == "silent":
+            unit.note("unanswered")
             continue
         if fault == "reset":
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
