@@ -32,13 +32,14 @@ def check(name, condition, seen=""):
         raise Failed(name)
 
 
-def wait_for(name, condition, limit=GENEROUS, alive=()):
+def wait_for(name, condition, limit=GENEROUS, alive=(), quiet=False):
     """Polls until condition() is truthy; returns its value."""
     end = time.monotonic() + limit
     while time.monotonic() < end:
         value = condition()
         if value:
-            print(f"ok   {name}", flush=True)
+            if not quiet:
+                print(f"ok   {name}", flush=True)
             return value
         for process in alive:
             if process.poll() is not None:
@@ -181,6 +182,10 @@ class Cell:
     def stations(self):
         """{name: what `stationctl --json list` says of it}"""
         return {row["station"]: row for row in self.listed("stations")}
+
+    def station(self, name):
+        """What it says of a station that runs; asked again where discovery took longer than the command."""
+        return wait_for(f"{name} is on the bus", lambda: self.stations().get(name), quiet=True)
 
     def states(self):
         return {name: row["state"] for name, row in self.stations().items()}

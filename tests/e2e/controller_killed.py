@@ -13,7 +13,7 @@ def scenario():
             wait_for(
                 "the sealer is in mid-piece", lambda: cell.stations().get("sealer", {}).get("piece", 0) != 0
             )
-            epoch = cell.stations()["sealer"]["epoch"]
+            epoch = cell.station("sealer")["epoch"]
             cell.kill("controller2")
             wait_for(
                 "the list has the stations that are gone",
@@ -24,7 +24,7 @@ def scenario():
                 f"the sealer runs again after kill {kill + 1}",
                 lambda: cell.states().get("sealer") == "RUNNING",
             )
-            check("its epoch is one more", cell.stations()["sealer"]["epoch"] == epoch + 1)
+            check("its epoch is one more", cell.station("sealer")["epoch"] == epoch + 1)
             cell.wait_stored(6 + 3 * kill)
         cell.wait_stored(20)
         cell.end("plantsim")

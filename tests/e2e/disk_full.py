@@ -40,8 +40,8 @@ def full(cell, daemon):
     soft, hard = resource.prlimit(daemon.pid, resource.RLIMIT_FSIZE)
     resource.prlimit(daemon.pid, resource.RLIMIT_FSIZE, (16, hard))
     wait_for("a full disk is in the log", lambda: sum(said(cell, FULL).values()))
-    before = cell.stations()["storage"]["scans"]
-    wait_for("500 scans pass on a full disk", lambda: cell.stations()["storage"]["scans"] > before + 500)
+    before = cell.station("storage")["scans"]
+    wait_for("500 scans pass on a full disk", lambda: cell.station("storage")["scans"] > before + 500)
     check("it is said once for each station that it concerns", max(said(cell, FULL).values()) == 1)
     check("the reason is named", FULL + str(cell.work) in cell.log("controller2"))
     check("the daemon lives", daemon.poll() is None)

@@ -18,8 +18,8 @@ def before_start(cell, field):
     cell.start_controller("controller1")
     wait_for("the daemon makes them safe before the first Start", lambda: field.others() == 0)
     check("the gripper holds", field.coils()[GRIPPER] == 1)
-    before = cell.stations()["loader"]["scans"]
-    wait_for("100 scans pass in STOPPED", lambda: cell.stations()["loader"]["scans"] > before + 100)
+    before = cell.station("loader")["scans"]
+    wait_for("100 scans pass in STOPPED", lambda: cell.station("loader")["scans"] > before + 100)
     check("nothing is driven in STOPPED", field.others() == 0, field.coils())
 
 
@@ -51,8 +51,8 @@ def while_lost(cell, field):
         "the station is in FAULT, its device out of reach",
         lambda: cell.states().get("loader") == "FAULT" and "remote-io-1" in cell.log("controller1")[before:],
     )
-    scans = cell.stations()["loader"]["scans"]  # 10 ms each: the back-off has grown to seconds
-    wait_for("400 scans pass", lambda: cell.stations()["loader"]["scans"] > scans + 400)
+    scans = cell.station("loader")["scans"]  # 10 ms each: the back-off has grown to seconds
+    wait_for("400 scans pass", lambda: cell.station("loader")["scans"] > scans + 400)
     plant.send_signal(signal.SIGCONT)
     check("the daemon ends with status 0", cell.end("controller1") == 0)
     check("the device is safe all the same", field.others() == 0, field.coils())

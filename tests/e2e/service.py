@@ -68,7 +68,7 @@ def safe_values(cell):
 
 def late(cell, daemon):
     """The daemon is stopped for a while: the scans left out are misses, and in the log (SCAN-4)."""
-    scans = cell.stations()["loader"]["scans"]
+    scans = cell.station("loader")["scans"]
     daemon.send_signal(signal.SIGSTOP)
     time.sleep(0.3)
     daemon.send_signal(signal.SIGCONT)
@@ -78,9 +78,9 @@ def late(cell, daemon):
     )
     for word in ("task main", "loader, robot", "scan ", "lateness", "execution", "skipped"):
         check(f'the line has "{word}"', word in line, "" if word in line else line)
-    misses = wait_for("Status counts them", lambda: cell.stations()["loader"]["deadline_misses"])
+    misses = wait_for("Status counts them", lambda: cell.station("loader")["deadline_misses"])
     check("at least 25 periods of 10 ms were missed", misses >= 25, misses)
-    wait_for("the scan goes on", lambda: cell.stations()["loader"]["scans"] > scans + 10)
+    wait_for("the scan goes on", lambda: cell.station("loader")["scans"] > scans + 10)
 
 
 def out_of_reach(cell):

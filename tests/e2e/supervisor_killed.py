@@ -13,8 +13,8 @@ def scenario():
         cell.wait_stored(4)
         check("robot is stopped by an operator", cell.ctl("stop", "robot").returncode == 0)
         cell.start_supervisor()
-        before = cell.stations()["sealer"]["scans"]
-        wait_for("500 scans pass", lambda: cell.stations()["sealer"]["scans"] > before + 500)
+        before = cell.station("sealer")["scans"]
+        wait_for("500 scans pass", lambda: cell.station("sealer")["scans"] > before + 500)
         check("the supervisor does not start what an operator stopped", cell.states()["robot"] == "STOPPED")
         check("the operator starts it again", cell.ctl("start", "robot").returncode == 0)
         cell.wait_stored(12)
