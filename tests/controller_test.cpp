@@ -21,8 +21,6 @@ namespace fs = std::filesystem;
 using bus::test::eventually;
 using bus::test::Inbox;
 
-constexpr std::int64_t kHourNs = 3'600'000'000'000;
-
 class LinesOutput final : public LogOutput {
  public:
   explicit LinesOutput(Inbox<std::string>& lines) : lines_(lines) {}
@@ -154,13 +152,6 @@ TEST_CASE("Controller when its state directory cannot be made then says what to 
   rig.configuration.state_dir = rig.state / "file" / "below";
   CHECK_THROWS_WITH_AS(Controller(rig.configuration, rig.log),
                        doctest::Contains("set [controller] state_dir"), StateDirectoryError);
-}
-
-TEST_CASE("Controller when its tasks make no progress for their watchdog time then says so (SCAN-9)") {
-  Rig rig;
-  Controller controller(rig.configuration, rig.log);  // built, not started: no task makes any
-  CHECK(controller.made_progress(1));
-  CHECK_FALSE(controller.made_progress(kHourNs));
 }
 
 TEST_CASE("Controller when it cannot watch a device's outputs then names it at start (IO-6)") {
