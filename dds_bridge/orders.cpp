@@ -222,7 +222,7 @@ Orders::Answer Orders::params(BridgedEntry& entry) {
   return {text.empty() ? "no parameters" : std::move(text)};
 }
 
-Orders::Answer Orders::histogram(BridgedEntry& entry, const Body& body) {
+Orders::Answer Orders::histogram(BridgedEntry& entry, const Body& body) const {
   const std::vector<std::string>& words = body.words;
   const bool window_known = words.size() == 3 && (words[2] == stationd::name_of(Window::last_minute) ||
                                                   words[2] == stationd::name_of(Window::since_start));

@@ -37,7 +37,7 @@ class Orders {
   static Answer status(BridgedEntry& entry);
   static Answer describe(const Body& body);
   static Answer params(BridgedEntry& entry);
-  Answer histogram(BridgedEntry& entry, const Body& body);
+  Answer histogram(BridgedEntry& entry, const Body& body) const;
 
   Context& context_;
 };

@@ -9,6 +9,13 @@
 #include "dds_bridge/type_table.hpp"
 
 #if defined(__SANITIZE_THREAD__)
+#define STATIOND_UNDER_TSAN
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define STATIOND_UNDER_TSAN
+#endif
+#endif
+#ifdef STATIOND_UNDER_TSAN
 extern "C" void __tsan_acquire(void* address);
 extern "C" void __tsan_release(void* address);
 #endif
@@ -16,19 +23,18 @@ extern "C" void __tsan_release(void* address);
 namespace stationd::bus {
 
 /// Marks the use of a payload's buffer. The library's pool hands buffers on under a lock of its own, from
-/// readers
-/// to writers of other participants too; ThreadSanitizer does not see that lock: the library is not
+/// readers to writers of other participants too; ThreadSanitizer does not see that lock: the library is not
 /// instrumented.
 class PayloadUse {
  public:
   explicit PayloadUse(const compat::rtps::SerializedPayload_t& payload) noexcept : data_(payload.data) {
-#if defined(__SANITIZE_THREAD__)
+#ifdef STATIOND_UNDER_TSAN
     __tsan_acquire(data_);
 #endif
   }
   // NOLINTNEXTLINE(modernize-use-equals-default): it is not trivial under ThreadSanitizer
   ~PayloadUse() {
-#if defined(__SANITIZE_THREAD__)
+#ifdef STATIOND_UNDER_TSAN
     __tsan_release(data_);
 #endif
   }
