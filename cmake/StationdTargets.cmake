@@ -23,8 +23,8 @@ function(stationd_test name)
   cmake_parse_arguments(T "" "LABEL" "FILES;LIBS" ${ARGN})
   add_executable(${name} ${T_FILES} ${CMAKE_SOURCE_DIR}/tests/doctest_main.cpp)
   target_link_libraries(${name} PRIVATE stationd_warnings ${T_LIBS})
-  # Tests are compiled more often than they run, and what they test is optimised all the same: half of the time
-  # of a cold scripts/check goes into optimising assertions, with sanitizers more.
+  # Tests are compiled more often than they run, and what they test is optimised all the same: half of the
+  # time of a cold scripts/check goes into optimising assertions, with sanitizers more.
   target_compile_options(${name} PRIVATE -O0 -g1)
   add_test(NAME ${name} COMMAND ${STATIOND_TEST_LAUNCHER} $<TARGET_FILE:${name}>)
   stationd_test_properties(${name} "${T_LABEL}")
