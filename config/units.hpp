@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "io/options.hpp"
+#include "scan/suggestion.hpp"
 #include "scan/units.hpp"
 
 namespace stationd::config {
@@ -45,9 +46,7 @@ std::optional<PointAddress> parse_point(std::string_view text, std::string& erro
 
 std::string_view short_name(io::Table table) noexcept;  ///< "co", "di", "hr", "ir"
 
-/// The one of `known` that `word` is most likely a misspelling of; empty: none is near.
-std::string_view nearest(std::string_view word, std::span<const std::string_view> known);
-/// "; did you mean \"...\"?" or nothing.
-std::string suggestion(std::string_view word, std::span<const std::string_view> known);
+using stationd::nearest;
+using stationd::suggestion;
 
 }  // namespace stationd::config
