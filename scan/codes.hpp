@@ -55,6 +55,12 @@ constexpr std::uint32_t body_invalid = 1308;
 constexpr std::uint32_t busy = 1309;
 constexpr std::uint32_t value_invalid = 1310;
 constexpr std::uint32_t permit_revoked = 1311;
+constexpr std::uint32_t not_forceable = 1312;
+constexpr std::uint32_t forces_full = 1313;
+constexpr std::uint32_t not_writable = 1314;
+constexpr std::uint32_t tag_forced = 1401;
+constexpr std::uint32_t tag_unforced = 1402;
+constexpr std::uint32_t tag_set = 1403;
 
 // The cell's programs: actuators and sensors (20xx, 21xx), pallets (22xx, 23xx), parts (24xx), waiting
 // (25xx).

@@ -29,7 +29,8 @@ struct TagSpec {
   Slot safe = 0;           ///< outputs: value outside RUNNING
   bool hold = false;       ///< outputs: outside RUNNING keep the last value instead
   bool parameter = false;  ///< internal tag whose initial value comes from the configuration
-  Slot min = 0;            ///< parameters: least and greatest value; both 0: the type's own range
+  bool writable = false;   ///< internal and retained tags: an operator may set it while the station runs
+  Slot min = 0;            ///< what may be set: least and greatest value; both 0: the type's own range
   Slot max = 0;
 };
 

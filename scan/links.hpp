@@ -74,6 +74,14 @@ struct RetainLink {
   std::atomic<std::uint64_t> saved_scan{0};  ///< retain thread: the newest scan whose block is safely on disk
 };
 
+/// All tags as they were between two scans, for whoever asks (Verb::tags). The scan thread writes before it
+/// answers, the bus-out thread reads at the answer; a copy made for a later request may take its place.
+struct ImageCopy {
+  explicit ImageCopy(LinkTags link_tags) : tags(std::move(link_tags)), blocks(tags.layout.size_bytes()) {}
+  const LinkTags tags;
+  Snapshot blocks;
+};
+
 /// Stop: never queued. Bus-in thread sets, the scan takes it first thing in every cycle.
 class StopLatch {
  public:

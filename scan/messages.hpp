@@ -44,7 +44,16 @@ struct Event {
 };
 
 /// What an order asks of the station, between two scans.
-enum class Verb : std::uint8_t { start, reset, get };
+enum class Verb : std::uint8_t {
+  start,
+  reset,
+  get,
+  force,        ///< holds an input or output at a value
+  unforce,      ///< lets it go
+  unforce_all,  ///< lets all of them go
+  set,          ///< writes a tag that the configuration declares writable
+  tags          ///< copies the image as it is into Station::image_copy()
+};
 
 /// Configuration carried by an order: parameter tags set before it takes effect, all or none.
 struct Assignment {
@@ -59,7 +68,8 @@ struct Request {
   std::uint64_t order = 0;  ///< receipt number, shared with Stop: a Start older than the last Stop is void
   Verb verb = Verb::start;
   std::uint8_t assignment_count = 0;
-  TagIndex tag = 0;  ///< Verb::get
+  TagIndex tag = 0;  ///< get, force, unforce, set; tags: the first that is asked for
+  Slot value = 0;    ///< force, set; tags: how many are asked for, 0: all that follow
   std::array<Assignment, kMaxAssignments> assignments{};
 };
 
@@ -69,7 +79,8 @@ struct Reply {
   std::uint64_t token = 0;
   Outcome outcome = Outcome::done;
   std::uint32_t code = 0;  ///< why refused; see codes.hpp
-  Slot value = 0;          ///< Verb::get (first slot)
+  Slot value = 0;          ///< get: first slot; set: the value before; unforce, unforce_all: how many
+  bool changed = false;    ///< force, unforce, unforce_all, set: it was not so before
   Quality quality = Quality::BAD;
   StationState state = StationState::STOPPED;
 };
@@ -84,6 +95,7 @@ struct StatusRecord {
   std::uint32_t warning = 0;  ///< an active warning's code; 0: none
   std::uint32_t step = 0;     ///< of the program's sequence
   std::uint32_t piece = 0;    ///< code of the piece in work; 0: none
+  std::uint32_t forced = 0;   ///< inputs and outputs that an operator forces
   std::uint64_t scan = 0;
   std::uint64_t deadline_misses = 0;  ///< of the station's task
   std::int64_t time_ns = 0;

@@ -106,14 +106,18 @@ void Station::seal() {
   sealed_ = true;
   image_.seal();
   bind();
-  LinkTags retained;
+  LinkTags all, retained;
   for (TagIndex tag = 0; tag < image_.size(); ++tag) {
+    all.tags.push_back(tag);
+    all.layout.slots += image_.slot_count(tag);
     if (image_.spec(tag).area == Area::output) set_up_output(tag);
     if (image_.spec(tag).area != Area::retained) continue;
     retained.tags.push_back(tag);
     retained.layout.slots += image_.slot_count(tag);
   }
   retained.layout.tags = static_cast<std::uint32_t>(retained.tags.size());
+  all.layout.tags = static_cast<std::uint32_t>(all.tags.size());
+  image_copy_ = std::make_unique<ImageCopy>(std::move(all));
   retained_sent_.assign(retained.layout.slots, 0);
   retain_ = std::make_unique<RetainLink>(std::move(retained));
   for (const auto& pv : pvs_) pv_sent_.emplace_back(pv->tags.layout.slots, 0);

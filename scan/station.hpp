@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "scan/cycle.hpp"
+#include "scan/forces.hpp"
 #include "scan/image.hpp"
 #include "scan/links.hpp"
 #include "scan/nonblocking.hpp"
@@ -65,6 +66,7 @@ class Station {
   std::vector<std::unique_ptr<InputLink>>& bus_inputs() noexcept { return bus_inputs_; }
   std::vector<std::unique_ptr<PvLink>>& pvs() noexcept { return pvs_; }
   RetainLink& retain() noexcept { return *retain_; }
+  ImageCopy& image_copy() noexcept { return *image_copy_; }
 
   // -- The phases of a scan; the scan thread ----------------------------------------------------------------
   /// Stamps the scan (numbered from 1) and takes a Stop; all later phases and their events belong to it.
@@ -112,6 +114,11 @@ class Station {
   Reply carry_out(const Request& request) noexcept STATIOND_NONBLOCKING;
   Reply start(const Request& request, Reply reply) noexcept STATIOND_NONBLOCKING;
   Reply reset(Reply reply) noexcept STATIOND_NONBLOCKING;
+  Reply force(const Request& request, Reply reply) noexcept STATIOND_NONBLOCKING;
+  Reply unforce(const Request& request, Reply reply) noexcept STATIOND_NONBLOCKING;
+  Reply unforce_all(Reply reply) noexcept STATIOND_NONBLOCKING;
+  Reply set(const Request& request, Reply reply) noexcept STATIOND_NONBLOCKING;
+  void copy_image() noexcept STATIOND_NONBLOCKING;
   void set_warning(std::uint32_t code, bool active, std::int64_t detail) noexcept STATIOND_NONBLOCKING;
 
   StationOptions options_;
@@ -127,6 +134,8 @@ class Station {
   std::vector<std::uint64_t> output_count_;
   std::unique_ptr<RetainLink> retain_;
   std::vector<Slot> retained_sent_;
+  std::unique_ptr<ImageCopy> image_copy_;
+  Forces forces_;
   struct SafeOutput {
     TagIndex tag = 0;
     Slot value = 0;

@@ -91,9 +91,11 @@ void Station::latch_link(InputLink& link, std::uint32_t lost_code, std::size_t i
 }
 
 void Station::latch() noexcept {
+  forces_.lift_inputs(image_);
   for (std::size_t i = 0; i < device_inputs_.size(); ++i)
     latch_link(*device_inputs_[i], code::device_lost, i);
   for (std::size_t i = 0; i < bus_inputs_.size(); ++i) latch_link(*bus_inputs_[i], code::remote_lost, i);
+  forces_.apply_inputs(image_);
 }
 
 /// What idle() does to the outputs is undone: those without hold by the commit, those with it here.
@@ -123,6 +125,7 @@ void Station::execute() noexcept {
   resume();
   port_.executing.store(true, std::memory_order_relaxed);
   Cycle cycle(*this, now_ns_);
+  forces_.lift_outputs(image_, driven(state_));
   if (driven(state_)) {
     program_->execute(cycle);
     started_ = false;
@@ -145,6 +148,7 @@ void Station::apply_safe_outputs() noexcept {
 }
 
 void Station::commit() noexcept {
+  forces_.apply_outputs(image_, driven(state_));
   apply_safe_outputs();
   for (std::size_t i = 0; i < device_outputs_.size(); ++i) {
     OutputLink& link = *device_outputs_[i];
@@ -179,6 +183,13 @@ void Station::publish_retained() noexcept {
   if (retain_urgent_ == scan_) retain_->urgent_scan.store(scan_, std::memory_order_release);
 }
 
+void Station::copy_image() noexcept {
+  const BlockView block{image_copy_->blocks.writable(), image_copy_->tags.layout};
+  gather(image_, image_copy_->tags, block);
+  block.header() = {now_ns_, utc_ns_, scan_, 1, Quality::GOOD};
+  image_copy_->blocks.publish();
+}
+
 void Station::publish(std::uint64_t deadline_misses) noexcept {
   for (std::size_t i = 0; i < pvs_.size(); ++i) publish_pv(*pvs_[i], i);
   publish_retained();
@@ -193,6 +204,7 @@ void Station::publish(std::uint64_t deadline_misses) noexcept {
     if (w.code != 0) status.warning = w.code;
   status.step = step_;
   status.piece = piece_;
+  status.forced = static_cast<std::uint32_t>(forces_.standing());
   status.scan = scan_;
   status.deadline_misses = deadline_misses;
   status.time_ns = now_ns_;

@@ -102,6 +102,11 @@ Reply Station::carry_out(const Request& request) noexcept {
       reply.value = *image_.value(request.tag);
       reply.quality = *image_.quality(request.tag);
       break;
+    case Verb::force: reply = force(request, reply); break;
+    case Verb::unforce: reply = unforce(request, reply); break;
+    case Verb::unforce_all: reply = unforce_all(reply); break;
+    case Verb::set: reply = set(request, reply); break;
+    case Verb::tags: copy_image(); break;
   }
   reply.state = state_;
   return reply;
@@ -143,6 +148,48 @@ Reply Station::reset(Reply reply) noexcept {
   enter(StationState::STOPPED, StopCause::after_fault);
   raise(old, false, 0);
   reply.outcome = Outcome::done;
+  return reply;
+}
+
+Reply Station::force(const Request& request, Reply reply) noexcept {
+  const TagSpec& spec = image_.spec(request.tag);
+  const Forces::Taken taken = forceable(spec)
+                                  ? forces_.force(request.tag, request.value, spec.area == Area::output)
+                                  : Forces::Taken::full;
+  if (taken == Forces::Taken::full) {
+    reply.outcome = Outcome::refused;
+    reply.code = forceable(spec) ? code::forces_full : code::not_forceable;
+    return reply;
+  }
+  reply.changed = taken == Forces::Taken::changed;
+  if (reply.changed) raise(code::tag_forced, true, request.tag);
+  return reply;
+}
+
+Reply Station::unforce(const Request& request, Reply reply) noexcept {
+  reply.changed = forces_.release(request.tag);
+  reply.value = reply.changed ? 1 : 0;
+  if (reply.changed) raise(code::tag_unforced, true, request.tag);
+  return reply;
+}
+
+Reply Station::unforce_all(Reply reply) noexcept {
+  reply.value = forces_.standing();
+  reply.changed = reply.value != 0;
+  while (forces_.standing() != 0) raise(code::tag_unforced, true, forces_.release_any());
+  return reply;
+}
+
+Reply Station::set(const Request& request, Reply reply) noexcept {
+  if (!image_.spec(request.tag).writable) {
+    reply.outcome = Outcome::refused;
+    reply.code = code::not_writable;
+    return reply;
+  }
+  reply.value = *image_.value(request.tag);
+  reply.changed = reply.value != request.value;
+  *image_.value(request.tag) = request.value;
+  if (reply.changed) raise(code::tag_set, true, request.tag);
   return reply;
 }
 

@@ -68,11 +68,15 @@ void disturb(StationRig& rig, std::uint64_t n) {
     r.token = n;
     r.order = ++rig.order;
     r.verb = verb;
+    r.tag = static_cast<TagIndex>(n % rig.station->image().size());
+    r.value = n % 2;
     rig.station->port().requests.push(r);
   };
   request(Verb::reset);
   request(Verb::start);
   for (int i = 0; i < 5; ++i) request(Verb::get);
+  for (const Verb verb : {Verb::force, Verb::set, Verb::tags, Verb::unforce}) request(verb);
+  if (n % 5 == 0) request(Verb::unforce_all);
   if (n % 7 == 0) rig.stop(n % 2 == 0 ? StopMode::immediate : StopMode::end_of_piece);
   if (n % 500 < 200) {
     const BlockView block{rig.inputs->blocks.writable(), rig.inputs->tags.layout};
@@ -83,6 +87,8 @@ void disturb(StationRig& rig, std::uint64_t n) {
 
 TEST_CASE("10,000 cycles with faults, requests, events and full rings allocate nothing [SCAN-5]") {
   StationRig rig;
+  for (TagIndex tag = 0; tag < rig.station->image().size(); ++tag)
+    rig.station->image().spec(tag).writable = true;
   rig.program->on_execute = [&](Cycle& cycle) { misbehave(*rig.program, cycle); };
   rig.program->on_idle = rig.program->on_execute;
   test::FakeStopwatch stopwatch;
@@ -93,6 +99,7 @@ TEST_CASE("10,000 cycles with faults, requests, events and full rings allocate n
   Task task(options, {rig.station.get()}, stopwatch);
   const Schedule schedule(0, 0, test::kPeriodNs);
   std::vector<std::uint64_t> states(4);
+  std::uint64_t forced = 0;
   std::uint64_t k = task.run(schedule, 1, schedule.due_ns(1), 0);
 
   const std::uint64_t before = allocations.load();
@@ -102,6 +109,7 @@ TEST_CASE("10,000 cycles with faults, requests, events and full rings allocate n
     disturb(rig, n);
     k = task.run(schedule, k, rig.now_ns, 0);
     ++states[static_cast<std::size_t>(rig.station->state())];
+    forced += rig.status().forced;
     Reply reply;
     if (n % 50 == 0)
       while (rig.station->port().replies.pop(reply)) continue;
@@ -109,6 +117,7 @@ TEST_CASE("10,000 cycles with faults, requests, events and full rings allocate n
   const std::uint64_t after = allocations.load();
 
   CHECK(after == before);
+  CHECK(forced > 0);
   CHECK(states[static_cast<std::size_t>(StationState::STOPPED)] > 0);
   CHECK(states[static_cast<std::size_t>(StationState::RUNNING)] > 0);
   CHECK(states[static_cast<std::size_t>(StationState::FAULT)] > 0);
