@@ -14,6 +14,7 @@
 
 #include "dds_bridge/body.hpp"
 #include "dds_bridge/station_bridge.hpp"
+#include "dds_bridge/tag_orders.hpp"
 #include "dds_bridge/text.hpp"
 #include "dds_bridge/throttle.hpp"
 
@@ -30,9 +31,9 @@ struct BridgedEntry {
   Station* const station;
   const std::function<TaskFigures()> figures;
   const std::function<std::vector<BucketCount>(Figure, Window)> histogram;
-  std::mutex mutex;                     // for the following two; bus-in and bus-out
-  std::optional<Status> status;         // the newest, published or not
-  std::map<TagIndex, Slot> parameters;  // set by Start since the daemon started
+  std::mutex mutex;              // for the following two; bus-in and bus-out
+  std::optional<Status> status;  // the newest, published or not
+  TagChanges changes;
 };
 
 /// A request that the scan is working on.

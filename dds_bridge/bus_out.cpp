@@ -16,7 +16,8 @@ constexpr std::int64_t kStalled = 500'000'000;
 /// What an observer waits for: a change of it is sent at once.
 bool same(const StatusRecord& a, const StatusRecord& b) {
   return a.state == b.state && a.cause == b.cause && a.ready == b.ready && a.epoch == b.epoch &&
-         a.fault == b.fault && a.warning == b.warning && a.step == b.step && a.piece == b.piece;
+         a.fault == b.fault && a.warning == b.warning && a.step == b.step && a.piece == b.piece &&
+         a.forced == b.forced;
 }
 
 /// Of a station whose scan hangs: what it will say itself when it goes on.
@@ -28,8 +29,11 @@ StatusRecord of_hung(StatusRecord record) {
   return record;
 }
 
-/// The device or the remote station that was lost or is back; empty for any other event.
+/// The device or the remote station that was lost or is back, the tag that an operator changed; empty for
+/// any other event.
 std::string source_of(Station& station, const Event& event) {
+  if (event.code == code::tag_forced || event.code == code::tag_unforced || event.code == code::tag_set)
+    return station.image().spec(static_cast<TagIndex>(event.detail)).name;
   if (event.code != code::device_lost && event.code != code::remote_lost) return {};
   const auto& links = event.code == code::device_lost ? station.device_inputs() : station.bus_inputs();
   const auto index = static_cast<std::size_t>(event.detail);
@@ -204,6 +208,7 @@ void BusOut::fill_status(Out& out) {
   status.LATENESS_MAX_NS = figures.lateness_max_ns;
   status.REALTIME = clipped(figures.realtime, kTextBound);
   status.SOURCE_TIME = record.utc_ns;
+  status.FORCED = record.forced;
   const std::lock_guard lock(out.entry->mutex);
   out.entry->status = status;
 }
@@ -215,37 +220,48 @@ void BusOut::send_replies(Out& out) {
   }
 }
 
-/// What became of a request: a Start is logged if it was refused, and answered if it has an id to answer
-/// to; the others are answered.
-void BusOut::settle(const Pending& pending, const Reply& reply) {
+/// A Start is logged if it was refused, and answered if it has an id to answer to.
+void BusOut::settle_start(const Pending& pending, const Reply& reply) {
   const std::string name = pending.entry->station->name();
-  const std::uint32_t refusal = reply.outcome == Outcome::done ? 0 : reply.code;
-  if (pending.request.verb == Verb::start) {
-    if (refusal != 0) {
-      const std::string from = pending.body.from.empty() ? "" : " from " + pending.body.from;
-      context_.log.say("start" + name, 1, name + ": Start" + from + " refused: " + code_with_name(refusal),
-                       monotonic_ns());
-      if (!pending.body.id.empty())
-        context_.reply(pending.body, pending.origin, 0, refusal, "Start refused: " + code_with_name(refusal));
-    } else if (reply.code == 0) {
-      const std::lock_guard lock(pending.entry->mutex);
-      for (std::size_t i = 0; i < pending.request.assignment_count; ++i) {
-        pending.entry->parameters[pending.request.assignments[i].tag] = pending.request.assignments[i].value;
-      }
+  if (reply.outcome != Outcome::done) {
+    const std::string why = "refused: " + code_with_name(reply.code);
+    const std::string from = pending.body.from.empty() ? "" : " from " + pending.body.from;
+    context_.log.say("start" + name, 1, name + ": Start" + from + " " + why, monotonic_ns());
+    if (!pending.body.id.empty()) context_.reply(pending.body, pending.origin, 0, reply.code, "Start " + why);
+  } else if (reply.code == 0) {
+    const std::lock_guard lock(pending.entry->mutex);
+    for (std::size_t i = 0; i < pending.request.assignment_count; ++i) {
+      pending.entry->changes.set[pending.request.assignments[i].tag] = pending.request.assignments[i].value;
     }
-    return;
   }
-  std::string text;
-  if (refusal != 0) {
-    text = "refused: " + code_with_name(refusal);
-  } else if (pending.request.verb == Verb::get) {
-    const TagSpec& spec = pending.entry->station->image().spec(pending.request.tag);
-    text = spec.name + "=" + format_value(spec.type, reply.value) +
-           " quality=" + std::string(name_of(reply.quality));
-  } else {
-    text = "done";
+}
+
+/// Takes over what was done about tags, logs each change, and says what the answer is.
+std::string BusOut::settle_tags(const Pending& pending, const Reply& reply) {
+  BridgedEntry& entry = *pending.entry;
+  const Image& image = entry.station->image();
+  const std::string from = pending.body.from.empty() ? "(unnamed)" : pending.body.from;
+  const std::lock_guard lock(entry.mutex);
+  for (const std::string& line : take_change(image, pending.request, reply, entry.changes))
+    context_.log.say_each(2, entry.station->name() + ": " + line + ", from=" + from);
+  if (pending.request.verb != Verb::tags) return tag_answer(image, pending.request, reply, entry.changes);
+  ImageCopy& copy = entry.station->image_copy();
+  copy.blocks.update();
+  const std::size_t room = context_.bus.options().max_body_bytes - reply_prefix(pending.body).size();
+  return tags_answer(image, pending.request, {copy.blocks.readable(), copy.tags.layout}, entry.changes, room);
+}
+
+/// What became of a request.
+void BusOut::settle(const Pending& pending, const Reply& reply) {
+  if (pending.request.verb == Verb::start) return settle_start(pending, reply);
+  const std::uint32_t refusal = reply.outcome == Outcome::done ? 0 : reply.code;
+  const std::string name = pending.entry->station->name();
+  std::string text = refusal == 0 ? settle_tags(pending, reply) : "refused: " + code_with_name(refusal);
+  if (refusal != 0 && pending.request.verb != Verb::reset) {
+    context_.counters.orders_refused.fetch_add(1, std::memory_order_relaxed);
+    context_.log.say("Msg" + name, 2, name + ": " + pending.body.words[0] + " " + text, monotonic_ns());
   }
-  text.append(" state=").append(name_of(reply.state));
+  if (pending.request.verb != Verb::tags) text.append(" state=").append(name_of(reply.state));
   context_.reply(pending.body, pending.origin, 0, refusal, text);
 }
 

@@ -67,6 +67,8 @@ class BusOut {
   void say_state(const Out& out, const StatusRecord& before, std::int64_t now_ns) const;
   void send_replies(Out& out);
   void settle(const Pending& pending, const Reply& reply);
+  void settle_start(const Pending& pending, const Reply& reply);
+  std::string settle_tags(const Pending& pending, const Reply& reply);
 
   Context& context_;
   EventWriter& events_;

@@ -114,8 +114,9 @@ constexpr std::array status_members = {
     number("LATENESS_MAX_NS", Kind::int64, offsetof(Status, LATENESS_MAX_NS)),
     text("REALTIME", offsetof(Status, REALTIME)),
     number("SOURCE_TIME", Kind::int64, offsetof(Status, SOURCE_TIME)),
+    number("FORCED", Kind::uint32, offsetof(Status, FORCED)),
 };
-constexpr std::array<std::size_t, 1> status_released = {status_members.size()};
+constexpr std::array<std::size_t, 2> status_released = {18, status_members.size()};
 
 constexpr std::array stats_plain = {
     key("STATION", offsetof(ScanStats, STATION)),

@@ -84,6 +84,7 @@ struct Status {
   std::int64_t LATENESS_MAX_NS = 0;
   std::string REALTIME;          ///< what was granted and refused, for people
   std::int64_t SOURCE_TIME = 0;  ///< UTC nanoseconds
+  std::uint32_t FORCED = 0;      ///< inputs and outputs that an operator forces
 };
 
 /// Topic `ScanStats`, type PV_ScanStats (key STATION): how a station's scans keep their time. Counters are

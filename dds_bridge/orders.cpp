@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dds_bridge/histogram_body.hpp"
+#include "dds_bridge/tag_orders.hpp"
 #include "dds_bridge/values.hpp"
 #include "scan/clock.hpp"
 #include "scan/codes.hpp"
@@ -43,7 +44,9 @@ std::optional<std::uint32_t> code_number(std::string_view text) {
 }
 
 constexpr const char* kVerbs =
-    "say status, describe CODE, get TAG, reset, params or histogram FIGURE [last_minute]";
+    "say status, describe CODE, get TAG, tags [TAG], force TAG VALUE, unforce TAG|all, set TAG VALUE, "
+    "params, "
+    "histogram FIGURE [last_minute] or reset";
 
 const char* name_of(Order order) {
   switch (order) {
@@ -138,7 +141,12 @@ Orders::Answer Orders::answer(BridgedEntry& entry, const Body& body, const Origi
   const std::string& verb = body.words[0];
   const std::size_t arguments = body.words.size() - 1;
   if (verb == "histogram") return histogram(entry, body);
-  const bool takes_one = verb == "describe" || verb == "get";
+  if (is_tag_verb(verb)) {
+    CheckedOrder order = check_tag_order(entry.station->image(), body);
+    if (order.refusal != 0) return {std::move(order.problem), order.refusal};
+    return to_scan(entry, body, origin, order.request);
+  }
+  const bool takes_one = verb == "describe";
   if (!takes_one && verb != "status" && verb != "reset" && verb != "params") {
     return {verb + ": not a verb; " + kVerbs, code::unknown_verb};
   }
@@ -146,7 +154,6 @@ Orders::Answer Orders::answer(BridgedEntry& entry, const Body& body, const Origi
     return {verb + (takes_one ? " takes one argument" : " takes no argument"), code::body_invalid};
   }
   if (verb == "describe") return describe(body);
-  if (verb == "get") return get(entry, body, origin);
   if (verb == "status") return status(entry);
   if (verb == "params") return params(entry);
   Request request;
@@ -166,19 +173,6 @@ Orders::Answer Orders::to_scan(BridgedEntry& entry, const Body& body, const Orig
   return {"busy: ask again later", code::busy};
 }
 
-Orders::Answer Orders::get(BridgedEntry& entry, const Body& body, const Origin& origin) {
-  const Image& image = entry.station->image();
-  const auto tag = image.find(body.words[1]);
-  if (!tag) return {"there is no tag " + body.words[1], code::unknown_tag};
-  if (image.spec(*tag).type == TagType::STRING) {
-    return {body.words[1] + " is a STRING: not to be asked for", code::value_invalid};
-  }
-  Request request;
-  request.verb = Verb::get;
-  request.tag = *tag;
-  return to_scan(entry, body, origin, request);
-}
-
 Orders::Answer Orders::status(BridgedEntry& entry) {
   const std::lock_guard lock(entry.mutex);
   if (!entry.status) return {"the station has not scanned yet", code::busy};
@@ -191,7 +185,7 @@ Orders::Answer Orders::status(BridgedEntry& entry) {
   text += " deadline_misses=" + std::to_string(s.DEADLINE_MISSES);
   text += " fault=" + (s.FAULT == 0 ? "none" : code_id(s.FAULT));
   text += " warning=" + (s.WARNING == 0 ? "none" : code_id(s.WARNING));
-  text += " controller=" + s.CONTROLLER;
+  text += " forced=" + std::to_string(s.FORCED) + " controller=" + s.CONTROLLER;
   return {std::move(text), 0, s.FAULT};
 }
 
@@ -213,8 +207,8 @@ Orders::Answer Orders::params(BridgedEntry& entry) {
   for (TagIndex tag = 0; tag < image.size(); ++tag) {
     const TagSpec& spec = image.spec(tag);
     if (!spec.parameter) continue;
-    const auto set = entry.parameters.find(tag);
-    const Slot value = set == entry.parameters.end() ? spec.initial : set->second;
+    const auto set = entry.changes.set.find(tag);
+    const Slot value = set == entry.changes.set.end() ? spec.initial : set->second;
     const std::string range = format_range(spec);
     if (!text.empty()) text += '\n';
     text += spec.name + "=" + format_value(spec.type, value) + (range.empty() ? "" : " (" + range + ")");

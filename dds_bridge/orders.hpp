@@ -18,7 +18,8 @@ class Orders {
   void on_stop(const MsgReq& order, const Origin& origin);
   /// Body: `parameter=value` pairs, all checked before the scan gets them. Full ring: counted and logged.
   void on_start(const MsgReq& order, const Origin& origin);
-  /// Body: a verb: status, describe CODE, get TAG, reset, params, histogram FIGURE. Every one is answered.
+  /// Body: a verb: status, describe CODE, reset, params, histogram FIGURE, or one of tag_orders.hpp. Every one
+  /// is answered.
   void on_request(const MsgReq& request, const Origin& origin);
 
  private:
@@ -33,7 +34,6 @@ class Orders {
               const std::string& why);
   Answer answer(BridgedEntry& entry, const Body& body, const Origin& origin);
   Answer to_scan(BridgedEntry& entry, const Body& body, const Origin& origin, Request request);
-  Answer get(BridgedEntry& entry, const Body& body, const Origin& origin);
   static Answer status(BridgedEntry& entry);
   static Answer describe(const Body& body);
   static Answer params(BridgedEntry& entry);

@@ -18,6 +18,10 @@ class Throttle {
 
   /// `kind`: one of a small set of names. `now_ns`: CLOCK_MONOTONIC.
   void say(const std::string& kind, int severity, const std::string& text, std::int64_t now_ns);
+  /// What may never be held back: each change that an operator makes.
+  void say_each(int severity, const std::string& text) const {
+    if (sink_) sink_(severity, text);
+  }
   /// Says what was held back for a second; to be called now and then.
   void flush(std::int64_t now_ns);
 

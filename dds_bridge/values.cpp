@@ -47,8 +47,8 @@ bool in_range(const TagSpec& spec, Slot slot) {
 std::optional<Slot> slot_of(TagType type, std::string_view text) {
   switch (type) {
     case TagType::BOOL:
-      if (text == "true" || text == "1") return Slot{1};
-      if (text == "false" || text == "0") return Slot{0};
+      if (text == "true" || text == "1" || text == "on") return Slot{1};
+      if (text == "false" || text == "0" || text == "off") return Slot{0};
       return std::nullopt;
     case TagType::REAL: {
       const auto value = number<float>(text);
@@ -81,12 +81,26 @@ template <class T> std::string decimal(T value) {
   return error == std::errc{} ? std::string(text.data(), end) : std::string("?");
 }
 
+/// How a value of that type is written, for whoever wrote it otherwise.
+std::string form_of(TagType type) {
+  switch (type) {
+    case TagType::BOOL: return "; say true or false, 1 or 0, on or off";
+    case TagType::REAL:
+    case TagType::LREAL: return "; say a number such as 0.5";
+    case TagType::TIME: return "; say it with its unit, such as 800ms";
+    case TagType::STRING: return ", and STRINGs cannot be written";
+    default:
+      return "; say a whole number, " +
+             format_range({.name = {}, .type = type, .unit = {}, .description = {}});
+  }
+}
+
 }  // namespace
 
 ParsedValue parse_value(const TagSpec& spec, std::string_view text) {
   const std::string type(name_of(spec.type));
   const auto slot = slot_of(spec.type, text);
-  if (!slot) return {0, std::string(text) + " is no " + type + " value"};
+  if (!slot) return {0, std::string(text) + " is no " + type + " value" + form_of(spec.type)};
   if (has_range(spec) && !in_range(spec, *slot)) {
     return {0, std::string(text) + " is out of range " + format_range(spec)};
   }

@@ -184,6 +184,38 @@ TEST_CASE("order when ill formed or on the wrong topic then is refused, counted,
   CHECK(desk.ask("status from=desk").BODY.find("state=RUNNING") != std::string::npos);
 }
 
+TEST_CASE("tags when forced and set over the bus then Status, events, answers and the log say so [IMG-3]") {
+  Controller controller("robot");
+  Desk desk;
+  REQUIRE(desk.reaches());
+  REQUIRE(desk.sees(StationState::STOPPED));
+  CHECK(desk.ask("force loader.code 107 from=desk id=1").BODY ==
+        "id=1 tag=loader.code forced=107 state=STOPPED");
+  CHECK(eventually([&] { return controller.scanned.loader_code == 107 && controller.scanned.loader_good; }));
+  CHECK(eventually([&] { return desk.states.all().back().FORCED == 1; }));
+  CHECK(desk.ask("get loader.code from=desk").BODY ==
+        "loader.code=107 quality=FORCED forced=107 state=STOPPED");
+  CHECK(controller.logged("robot: tag loader.code forced to 107, from=desk"));
+  CHECK(eventually([&] {
+    return desk.events.any(
+        [](const Gse& m) { return m.STATUS == code::tag_forced && m.TEXT == "tag forced: loader.code"; });
+  }));
+  CHECK(desk.ask("status from=desk").BODY.find(" forced=1 ") != std::string::npos);
+  const MsgRes tags = desk.ask("tags from=desk");
+  CHECK(tags.BODY.find("tag=loader.code value=107 quality=FORCED area=input type=UDINT forced=107\n") !=
+        std::string::npos);
+  CHECK(tags.BODY.find("tag=station.running value=false") != std::string::npos);
+  CHECK(desk.ask("set speed 300 from=desk id=2").BODY == "id=2 tag=speed value=300 before=101 state=STOPPED");
+  CHECK(controller.logged("robot: tag speed set to 300 (was 101), from=desk"));
+  CHECK(desk.ask("params from=desk").BODY.find("speed=300") == 0);
+  const MsgRes refused = desk.ask("set speed 1001 from=desk");
+  CHECK(refused.STATUS == code::value_invalid);
+  CHECK(refused.BODY == "speed: 1001 is out of range 1..1000");
+  CHECK(desk.ask("unforce all from=desk id=3").BODY == "id=3 tag=all unforced=1 state=STOPPED");
+  CHECK(controller.logged("robot: tag loader.code unforced, from=desk"));
+  CHECK(eventually([&] { return desk.states.all().back().FORCED == 0 && !controller.scanned.loader_good; }));
+}
+
 TEST_CASE("ten clients when they ask at once then each gets its own replies [REQ-1]") {
   Controller controller("robot");
   constexpr int clients = 10, requests = 20;

@@ -65,6 +65,7 @@ class ScannedStation {
  public:
   explicit ScannedStation(const std::string& name, std::size_t requests = 64)
       : station_(options(name, requests), program()) {
+    station_.image().spec(*station_.image().find("speed")).writable = true;
     station_.set_bus_limits(1'000'000'000, 2'000'000'000);
     station_.seal();
   }

@@ -122,12 +122,14 @@ TEST_CASE("status when encoded and decoded then is the same") {
   status.LATENESS_MAX_NS = -5;
   status.REALTIME = "FIFO refused: \xC3\xA4";
   status.SOURCE_TIME = 1'700'000'000'123'456'789;
+  status.FORCED = 3;
   Status back;
   REQUIRE(decoded(encoded(status), back));
   CHECK(encoded(back) == encoded(status));
   CHECK(back.REALTIME == status.REALTIME);
   CHECK(back.SCANS == status.SCANS);
   CHECK(back.SOURCE_TIME == status.SOURCE_TIME);
+  CHECK(back.FORCED == 3);
 }
 
 TEST_CASE("statistics when encoded and decoded then are the same, each figure in its place [SCAN-6]") {
@@ -186,6 +188,19 @@ TEST_CASE("end and event when they end after Table 4 then are read with defaults
     CHECK(event.EDGE);
     CHECK(event.STATION.empty());
   }
+}
+
+TEST_CASE("status when it is of the release before FORCED then is read with none forced [IMG-3, PV-5]") {
+  Status status;
+  status.STATION = "robot";
+  status.SOURCE_TIME = 12;
+  status.FORCED = 3;
+  Bytes bytes = encoded(status);
+  bytes.resize(bytes.size() - 4);
+  Status back;
+  REQUIRE(decoded(bytes, back));
+  CHECK(back.SOURCE_TIME == 12);
+  CHECK(back.FORCED == 0);
 }
 
 TEST_CASE("set when it ends between releases then is malformed") {
