@@ -9,7 +9,7 @@
 namespace stationd::config {
 namespace {
 
-using Raw = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
+using Raw = RawValue;
 
 bool is_real(TagType type) { return type == TagType::REAL || type == TagType::LREAL; }
 
@@ -72,6 +72,11 @@ std::optional<Slot> slot_of(const TagSpec& spec, const Raw& raw) {
   return static_cast<Slot>(*value);
 }
 
+bool less(TagType type, Slot a, Slot b) {
+  if (is_real(type)) return real_of(type, a) < real_of(type, b);
+  return static_cast<std::int64_t>(a) < static_cast<std::int64_t>(b);
+}
+
 std::string allowed_values(const TagSpec& spec) {
   if (spec.type == TagType::BOOL) return "true or false";
   const auto [low, high] = range_of(spec);
@@ -90,6 +95,7 @@ class StationCheck {
     check_places(io::Direction::input);
     check_places(io::Direction::output);
     for (ParameterConfig& parameter : station_.parameters) check_parameter(parameter);
+    for (ParameterConfig& tag : station_.tags) check_tag(tag);
   }
 
  private:
@@ -198,19 +204,89 @@ class StationCheck {
                         hint(parameter.tag, [](const TagSpec& s) { return s.parameter; }));
       return;
     }
-    if (parameter.type && *parameter.type != spec->type) {
-      problems_.add(parameter.position, path + ".type",
-                    "found " + std::string(name_of(*parameter.type)) + "; the program declares " +
-                        std::string(name_of(spec->type)));
+    if (check_own(parameter, *spec, path)) check_value(parameter, *spec, path);
+  }
+
+  /// What is to be writable beside parameters: the program's own, since inputs and outputs are forced.
+  void check_tag(ParameterConfig& tag) {
+    const std::string path = "station." + station_.name + ".tags." + tag.tag;
+    const auto wanted = [](const TagSpec& s) {
+      return !s.parameter && (s.area == Area::internal || s.area == Area::retained);
+    };
+    const TagSpec* spec = find(tag.tag);
+    if (spec != nullptr && wanted(*spec) && spec->type != TagType::STRING) {
+      check_own(tag, *spec, path);
       return;
     }
-    const Raw raw = std::visit([](const auto& known) { return Raw(known); }, parameter.raw);
-    if (const auto value = slot_of(*spec, raw))
+    std::string what = "the program \"" + station_.program + "\" has no such tag" + hint(tag.tag, wanted);
+    if (spec != nullptr && spec->parameter)
+      what = "found a parameter; it belongs into [station.parameters]";
+    else if (spec != nullptr && spec->type == TagType::STRING)
+      what = "the tag is a STRING, which cannot be set";
+    else if (spec != nullptr)
+      what = "found an " + std::string(name_of(spec->area)) +
+             " tag; allowed are internal and retained tags: inputs and outputs can be forced";
+    problems_.add(tag.position, path, what);
+  }
+
+  /// Type and limits; the limits narrow those of the program. False: a problem was added.
+  bool check_own(ParameterConfig& tag, const TagSpec& spec, const std::string& path) {
+    tag.min = spec.min;
+    tag.max = spec.max;
+    if (tag.type && *tag.type != spec.type) {
+      problems_.add(tag.position, path + ".type",
+                    "found " + std::string(name_of(*tag.type)) + "; the program declares " +
+                        std::string(name_of(spec.type)));
+      return false;
+    }
+    const bool low = !std::holds_alternative<std::monostate>(tag.raw_min);
+    const bool high = !std::holds_alternative<std::monostate>(tag.raw_max);
+    if (!low && !high) return true;
+    if (spec.type == TagType::BOOL) {
+      problems_.add(low ? tag.min_position : tag.max_position, path + (low ? ".min" : ".max"),
+                    "found a limit of a BOOL, which has none");
+      return false;
+    }
+    std::tie(tag.min, tag.max) = range_of(spec);
+    if (low && !limit(tag.min, tag.raw_min, spec, tag.min_position, path + ".min")) return false;
+    if (high && !limit(tag.max, tag.raw_max, spec, tag.max_position, path + ".max")) return false;
+    if (less(spec.type, tag.min, tag.max)) return true;
+    problems_.add(low ? tag.min_position : tag.max_position, path + (low ? ".min" : ".max"),
+                  "found " + value_text(spec.type, tag.min) + " to " + value_text(spec.type, tag.max) +
+                      "; the least value has to be below the greatest");
+    return false;
+  }
+
+  bool limit(Slot& out, const Raw& raw, const TagSpec& spec, Position position, const std::string& path) {
+    const auto value = slot_of(spec, raw);
+    if (value)
+      out = *value;
+    else
+      problems_.add(position, path, "found " + raw_text(raw) + "; allowed is " + allowed_values(spec));
+    return value.has_value();
+  }
+
+  /// The file's value, or the program's own, within the limits.
+  void check_value(ParameterConfig& parameter, const TagSpec& spec, const std::string& path) {
+    TagSpec narrowed = spec;
+    narrowed.min = parameter.min;
+    narrowed.max = parameter.max;
+    const bool given = !std::holds_alternative<std::monostate>(parameter.raw);
+    parameter.value = spec.initial;
+    if (!given && (narrowed.min != spec.min || narrowed.max != spec.max)) {
+      const auto [low, high] = range_of(narrowed);
+      if (less(spec.type, spec.initial, low) || less(spec.type, high, spec.initial))
+        problems_.add(parameter.position, path,
+                      "the program's own value, " + value_text(spec.type, spec.initial) + ", is outside of " +
+                          allowed_values(narrowed) + "; give a value");
+    }
+    if (!given) return;
+    if (const auto value = slot_of(narrowed, parameter.raw))
       parameter.value = *value;
     else
       problems_.add(parameter.value_position, path,
-                    "found " + raw_text(raw) + "; allowed is " + allowed_values(*spec) +
-                        (spec->unit.empty() ? "" : " (" + spec->unit + ")"));
+                    "found " + raw_text(parameter.raw) + "; allowed is " + allowed_values(narrowed) +
+                        (spec.unit.empty() ? "" : " (" + spec.unit + ")"));
   }
 
   StationConfig& station_;

@@ -59,6 +59,9 @@ struct TaskConfig {
   Position position;
 };
 
+/// A value as the file says it; monostate: it does not, or what it says is no value.
+using RawValue = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
+
 /// One tag and its place in a device.
 struct TagMapping {
   std::string tag;
@@ -72,17 +75,20 @@ struct TagMapping {
   bool safe_given = false;  ///< outputs: the file has `safe = ...`
   Position position;        ///< of the tag's name
   Position at_position, type_position, safe_position, max_age_position;
-  std::variant<std::monostate, bool, std::int64_t, double, std::string> safe_raw;
+  RawValue safe_raw;
 };
 
-/// A parameter tag's value as the file says it.
+/// What the file says of a tag of the program's own: a parameter's value, or what an operator may set.
 struct ParameterConfig {
   std::string tag;
   std::optional<TagType> type;
-  std::variant<bool, std::int64_t, double, std::string> raw;
-  Slot value =
-      0;  ///< once check_stations() has seen it: in the tag's own encoding, within the program's range
-  Position position, value_position;
+  RawValue raw;  ///< a parameter's value; monostate: the program's default
+  RawValue raw_min, raw_max;
+  bool writable = false;  ///< an operator may set it while the station runs
+  /// Once check_stations() has seen them: in the tag's own encoding, within the program's range. Both limits
+  /// 0: the type's own range.
+  Slot value = 0, min = 0, max = 0;
+  Position position, value_position, min_position, max_position;
 };
 
 struct StationConfig {
@@ -94,6 +100,7 @@ struct StationConfig {
   std::string downstream;  ///< station behind this one; empty: none
   std::vector<TagMapping> inputs, outputs;
   std::vector<ParameterConfig> parameters;
+  std::vector<ParameterConfig> tags;  ///< internal and retained ones that are writable
   Position position, program_position;
 };
 

@@ -114,6 +114,7 @@ constexpr std::array kStation = {
     Key{"inputs", "table", "none", "See `[station.inputs]`."},
     Key{"outputs", "table", "none", "See `[station.outputs]`."},
     Key{"parameters", "table", "none", "See `[station.parameters]`."},
+    Key{"tags", "table", "none", "See `[station.tags]`."},
 };
 
 constexpr std::array kInput = {
@@ -134,8 +135,22 @@ constexpr std::array kOutput = {
 };
 
 constexpr std::array kParameter = {
-    Key{"value", "value", "", "Within the range that the program declares; a TIME is a duration."},
+    Key{"value", "value", "the program's",
+        "Within the range that the program declares; a TIME is a duration. Required unless another key is "
+        "given."},
     Key{"type", "text", "the program's", "Must be the type that the program declares."},
+    Key{"min", "value", "the program's", "Least value, at a Start or a `set` too; not below the program's."},
+    Key{"max", "value", "the program's", "Greatest value; not above the program's."},
+    Key{"writable", "boolean", "`false`",
+        "`true`: an operator may `set` it while the station runs. The value is gone at the next restart."},
+};
+
+constexpr std::array kTag = {
+    Key{"writable", "boolean", "",
+        "`true`: an operator may `set` it while the station runs. A retained tag keeps it over a restart."},
+    Key{"type", "text", "the program's", "Must be the type that the program declares."},
+    Key{"min", "value", "the type's", "Least value that may be set."},
+    Key{"max", "value", "the type's", "Greatest value that may be set."},
 };
 
 constexpr std::array kSupervisor = {
@@ -184,12 +199,17 @@ const SectionKeys kParameterKeys{"parameters", "[station.parameters]",
                                  "= \"5s\"`, or a table with the keys "
                                  "below.",
                                  kParameter};
+const SectionKeys kTagKeys{"tags", "[station.tags]",
+                           "Internal and retained tags of the program that an operator may set: `pieces = { "
+                           "writable = true, max = 999 }`.",
+                           kTag};
 const SectionKeys kSupervisorKeys{"supervisor", "[supervisor]", "The supervisor of a cell.", kSupervisor};
 
 std::span<const SectionKeys* const> controller_sections() {
-  static constexpr std::array<const SectionKeys*, 12> all = {
+  static constexpr std::array<const SectionKeys*, 13> all = {
       &kControllerKeys, &kLogKeys,   &kBusKeys,    &kTaskKeys,      &kDeviceKeys, &kDeviceHeartbeatKeys,
-      &kStationKeys,    &kInputKeys, &kOutputKeys, &kParameterKeys, &kRecipeKeys, &kPlantKeys};
+      &kStationKeys,    &kInputKeys, &kOutputKeys, &kParameterKeys, &kTagKeys,    &kRecipeKeys,
+      &kPlantKeys};
   return all;
 }
 

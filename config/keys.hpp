@@ -25,7 +25,7 @@ struct SectionKeys {
 };
 
 extern const SectionKeys kControllerKeys, kLogKeys, kBusKeys, kTaskKeys, kDeviceKeys, kDeviceHeartbeatKeys,
-    kPlantKeys, kRecipeKeys, kStationKeys, kInputKeys, kOutputKeys, kParameterKeys, kSupervisorKeys;
+    kPlantKeys, kRecipeKeys, kStationKeys, kInputKeys, kOutputKeys, kParameterKeys, kTagKeys, kSupervisorKeys;
 
 /// Sections of a controller's file and of a supervisor's, in the order of the reference.
 std::span<const SectionKeys* const> controller_sections();

@@ -46,7 +46,7 @@ void load_recipes(const Node& root, Configuration& configuration, Problems& prob
 void load_stations(const Node& root, Configuration& configuration, Problems& problems);
 
 /// Values of outputs and parameters as the file has them; monostate for tables, lists and dates.
-std::variant<std::monostate, bool, std::int64_t, double, std::string> raw_value(const Node& node);
+RawValue raw_value(const Node& node);
 
 /// Outputs that share a register or coil, also with a heartbeat; inputs that share a register in part.
 void check_overlaps(const Configuration& configuration, Problems& problems);

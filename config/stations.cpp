@@ -125,39 +125,46 @@ void load_mappings(const Member* group, io::Direction direction, const Configura
   }
 }
 
-void load_parameters(const Member* group, StationConfig& station, Problems& problems) {
+/// A value of the tag, in whatever kind; the program's type decides later.
+void load_value(const Section& section, std::string_view key, RawValue& raw, Position& position) {
+  const Member* given = section.member(key);
+  if (given == nullptr) return;
+  position = given->value.position;
+  raw = raw_value(given->value);
+  if (std::holds_alternative<std::monostate>(raw))
+    section.problem(key,
+                    "found " + describe(given->value) + "; allowed is a number, true, false or a duration");
+}
+
+/// Tags of the program's own, `[station.parameters]` or `[station.tags]`.
+void load_own_tags(const Member* group, const SectionKeys& keys, std::string_view example,
+                   const StationConfig& station, std::vector<ParameterConfig>& out, Problems& problems) {
   if (group == nullptr) return;
-  const std::string path = "station." + station.name + ".parameters";
+  const std::string path = "station." + station.name + "." + std::string(keys.name);
   if (group->value.kind != Node::Kind::table) {
-    problems.add(
-        group->position, path,
-        "found " + describe(group->value) + "; allowed is a section of values, as in step_timeout = \"5s\"");
+    problems.add(group->position, path,
+                 "found " + describe(group->value) + "; allowed is a section of values, as in " +
+                     std::string(example));
     return;
   }
   for (const Member& given : group->value.members) {
     const Node table = as_table(given, "value");
-    const Section section(table, kParameterKeys, path + "." + given.key, problems);
+    const Section section(table, keys, path + "." + given.key, problems);
     ParameterConfig parameter;
     parameter.tag = given.key;
-    parameter.position = given.position;
-    parameter.value_position = section.position("value");
+    parameter.position = parameter.value_position = given.position;
     load_type(section, parameter.type);
-    const Member* value = section.member("value");
-    if (value == nullptr) {
-      section.problem("value", "missing; required is the parameter's value");
-      continue;
+    const bool said = section.boolean("writable", parameter.writable);
+    load_value(section, "min", parameter.raw_min, parameter.min_position);
+    load_value(section, "max", parameter.raw_max, parameter.max_position);
+    if (&keys == &kParameterKeys) {
+      load_value(section, "value", parameter.raw, parameter.value_position);
+      if (!section.has("value") && !section.has("min") && !section.has("max") && !section.has("writable"))
+        section.problem("value", "missing; required is the parameter's value");
+    } else if (said && !parameter.writable) {
+      section.problem("writable", "found false; allowed is true, or the tag left out");
     }
-    const auto raw = raw_value(value->value);
-    std::visit(
-        [&](const auto& known) {
-          if constexpr (std::is_same_v<std::decay_t<decltype(known)>, std::monostate>)
-            section.problem("value", "found " + describe(value->value) +
-                                         "; allowed is a number, true, false or a duration");
-          else
-            parameter.raw = known;
-        },
-        raw);
-    station.parameters.push_back(std::move(parameter));
+    out.push_back(std::move(parameter));
   }
 }
 
@@ -215,7 +222,10 @@ void load_stations(const Node& root, Configuration& configuration, Problems& pro
     load_neighbours(section, station);
     load_mappings(section.member("inputs"), io::Direction::input, configuration, station, problems);
     load_mappings(section.member("outputs"), io::Direction::output, configuration, station, problems);
-    load_parameters(section.member("parameters"), station, problems);
+    load_own_tags(section.member("parameters"), kParameterKeys, "step_timeout = \"5s\"", station,
+                  station.parameters, problems);
+    load_own_tags(section.member("tags"), kTagKeys, "pieces = { writable = true }", station, station.tags,
+                  problems);
     configuration.stations.push_back(std::move(station));
   }
 }

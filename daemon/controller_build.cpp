@@ -65,7 +65,17 @@ void Controller::map_tags(Station& station, const config::StationConfig& s) {
     spec.hold = m.point.safe_action == io::SafeAction::hold;
     spec.safe = m.point.safe_value;
   }
-  for (const config::ParameterConfig& p : s.parameters) image.spec(*image.find(p.tag)).initial = p.value;
+  const auto limit = [](TagSpec& spec, const config::ParameterConfig& p) {
+    spec.min = p.min;
+    spec.max = p.max;
+    spec.writable = p.writable;
+  };
+  for (const config::ParameterConfig& p : s.parameters) {
+    TagSpec& spec = image.spec(*image.find(p.tag));
+    spec.initial = p.value;
+    limit(spec, p);
+  }
+  for (const config::ParameterConfig& p : s.tags) limit(image.spec(*image.find(p.tag)), p);
 }
 
 void Controller::link_devices(Station& station, std::size_t index) {

@@ -89,6 +89,73 @@ TEST_CASE("parameter out of the program's range is refused with the range [CFG-1
   CHECK(contains(problem_with("2.5", "true"), "found true; allowed is"));
 }
 
+TEST_CASE(
+    "parameter when writable then has the limits of the file, else those of the program [IMG-3, CFG-1]") {
+  const ProgramCatalogue catalogue = presser_catalogue();
+  const auto parameter = [&](std::string_view text) {
+    const auto loaded = parse_controller(with("\"800ms\"", text), "c1.toml", &catalogue);
+    REQUIRE_MESSAGE(loaded, all_of(loaded.problems));
+    return loaded.value->stations[0].parameters[0];
+  };
+  const ParameterConfig plain = parameter("\"800ms\"");
+  CHECK_FALSE(plain.writable);
+  CHECK(plain.min == 100'000'000);
+  CHECK(plain.max == 5'000'000'000);
+  const ParameterConfig narrowed =
+      parameter(R"({ type = "TIME", value = "800ms", min = "200ms", max = "1s", writable = true })");
+  CHECK(narrowed.writable);
+  CHECK(narrowed.value == 800'000'000);
+  CHECK(narrowed.min == 200'000'000);
+  CHECK(narrowed.max == 1'000'000'000);
+  CHECK(parameter(R"({ value = "800ms", max = "1s" })").min == 100'000'000);
+  const auto limit = parse_controller(with("2.5", "{ writable = true }"), "c1.toml", &catalogue);
+  REQUIRE_MESSAGE(limit, all_of(limit.problems));
+  CHECK(limit.value->stations[0].parameters[1].writable);
+  CHECK(limit.value->stations[0].parameters[1].value == to_slot(0.0F));
+}
+
+TEST_CASE("limits that cannot be are refused with what is allowed [IMG-3, CFG-1]") {
+  const auto problem = [](std::string_view text) { return problem_with("\"800ms\"", text); };
+  CHECK(contains(problem(R"({ value = "800ms", min = "50ms" })"),
+                 "press_time.min: found \"50ms\"; allowed is \"100ms\" to \"5s\""));
+  CHECK(contains(problem(R"({ value = "800ms", max = "9s" })"), "press_time.max: found \"9s\""));
+  CHECK(contains(problem(R"({ value = "800ms", min = "2s", max = "1s" })"),
+                 "found \"2s\" to \"1s\"; the least value has to be below the greatest"));
+  CHECK(contains(problem(R"({ value = "800ms", max = "500ms" })"),
+                 "found \"800ms\"; allowed is \"100ms\" to \"500ms\""));
+  CHECK(contains(problem(R"({ writable = true, min = "200ms" })"), "the program's own value, \"0ns\""));
+  CHECK(contains(problem(R"({ value = "800ms", writable = 1 })"), "press_time.writable: found"));
+  CHECK(contains(problem("{ type = \"TIME\" }"), "value: missing"));
+}
+
+TEST_CASE("tag of the program's own when listed then is writable, any other is refused [IMG-3, CFG-1]") {
+  const auto text = [](std::string_view line) {
+    return with("limit = 2.5", "limit = 2.5\n[station.tags]\n" + std::string(line));
+  };
+  const ProgramCatalogue catalogue = presser_catalogue();
+  const auto loaded = parse_controller(
+      text("pieces = { writable = true, max = 999 }\ndry_run = { writable = true }"), "c1.toml", &catalogue);
+  REQUIRE_MESSAGE(loaded, all_of(loaded.problems));
+  const std::vector<ParameterConfig>& tags = loaded.value->stations[0].tags;
+  REQUIRE(tags.size() == 2);
+  CHECK(tags[0].writable);
+  CHECK(tags[0].min == 0);
+  CHECK(tags[0].max == 999);
+  CHECK(tags[1].max == 0);
+  const auto problem = [&](std::string_view line) {
+    const auto bad = parse_controller(text(line), "c1.toml", &catalogue);
+    REQUIRE_MESSAGE(bad.problems.size() == 1, all_of(bad.problems));
+    return bad.problems.front().text;
+  };
+  CHECK(contains(problem("piece = { writable = true }"), "did you mean \"pieces\"?"));
+  CHECK(contains(problem("pieces = { max = 9 }"), "writable: missing"));
+  CHECK(contains(problem("pieces = { writable = false }"), "found false; allowed is true"));
+  CHECK(contains(problem("press_down = { writable = true }"), "inputs and outputs can be forced"));
+  CHECK(contains(problem("limit = { writable = true }"), "belongs into [station.parameters]"));
+  CHECK(contains(problem("dry_run = { writable = true, max = true }"), "found a limit of a BOOL"));
+  CHECK(contains(problem("pieces = { writable = true, max = -1 }"), "found -1; allowed is 0 to 4294967295"));
+}
+
 TEST_CASE("safe value outside the output's type is refused [IO-6]") {
   CHECK(contains(problem_with("safe = 5", "safe = 65536"), "allowed is \"hold\", or 0 to 65535"));
   CHECK(contains(problem_with("safe = 5", "safe = \"halt\""), "found \"halt\""));

@@ -62,6 +62,8 @@ inline ProgramCatalogue presser_catalogue() {
     tags.tags.back().max = to_slot(Time{5'000'000'000});
     tags.tags.push_back(tag_spec<float>("limit", Area::internal, "of force"));
     tags.tags.back().parameter = true;
+    tags.tags.push_back(tag_spec<std::uint32_t>("pieces", Area::retained, "pressed so far"));
+    tags.tags.push_back(tag_spec<bool>("dry_run", Area::internal, "without parts"));
     tags.bus_inputs = {"ready.code"};
     return tags;
   };
