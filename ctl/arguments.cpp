@@ -19,8 +19,13 @@ const std::string_view kUsage =
   stop STATION|all [--end-of-piece]
                                 stops at once, or when its piece is finished; waits for the confirmation
   msg STATION TEXT...           asks a station (or the supervisor) and prints its answer:
-                                status, describe CODE, get TAG, params, reset, histogram FIGURE;
+                                status, describe CODE, get TAG, tags, params, histogram FIGURE, ...;
                                 supervisor: pieces, help
+  get STATION [TAG]             its tags, or the one: value, quality, what it is forced to, whether it can be set
+  force STATION TAG VALUE       holds an input or output at a value, whatever its device or program says,
+                                until unforce or the daemon's restart; no output is driven outside RUNNING
+  unforce STATION TAG|all       lets it go
+  set STATION TAG VALUE         writes a tag that the configuration declares writable, such as a parameter
   reset STATION|all             acknowledges a fault whose cause is gone; all: of every station in FAULT
   describe CODE                 what a code means, its cause and remedy; needs no station
   events [--follow] [--count N] what the stations reported; --follow goes on, --count takes the last (next) N
@@ -53,6 +58,10 @@ constexpr auto kCommands =
                                                          {"stop", Command::stop},
                                                          {"msg", Command::msg},
                                                          {"reset", Command::reset},
+                                                         {"get", Command::get},
+                                                         {"force", Command::force},
+                                                         {"unforce", Command::unforce},
+                                                         {"set", Command::set},
                                                          {"describe", Command::describe},
                                                          {"events", Command::events},
                                                          {"stats", Command::stats}});
@@ -67,7 +76,8 @@ class Parser {
   void run() {
     while (at_ < words_.size() && out_.problem.empty()) {
       const std::string_view word = words_[at_++];
-      const bool text_follows = command_ == Command::msg && !out_.station.empty();
+      const bool text_follows =
+          !out_.station.empty() && (command_ == Command::msg || (takes_tag() && is_negative(word)));
       if (word.starts_with("-") && word.size() > 1 && !text_follows) {
         option(word);
       } else {
@@ -78,6 +88,15 @@ class Parser {
   }
 
  private:
+  /// -5 and -.5, which are no options.
+  static bool is_negative(std::string_view word) {
+    return word.size() > 1 && word[0] == '-' && (word[1] == '.' || (word[1] >= '0' && word[1] <= '9'));
+  }
+  bool takes_tag() const {
+    return command_ == Command::get || command_ == Command::force || command_ == Command::unforce ||
+           command_ == Command::set;
+  }
+
   void fail(std::string text) {
     if (out_.problem.empty()) out_.problem = std::move(text);
   }
@@ -148,7 +167,8 @@ class Parser {
  private:
   void plain(std::string_view word) {
     if (!command_) return command(word);
-    const bool takes_text = *command_ == Command::msg || *command_ == Command::start;
+    const bool takes_text =
+        *command_ == Command::msg || *command_ == Command::start || takes_tag();
     const bool takes_name =
         *command_ != Command::list && *command_ != Command::events && *command_ != Command::help;
     if (takes_name && out_.station.empty()) {
@@ -161,7 +181,9 @@ class Parser {
     } else if (takes_text && !out_.station.empty()) {
       if (*command_ == Command::start && word.find('=') == std::string_view::npos)
         return fail("start takes KEY=VALUE behind the station, not \"" + std::string(word) + "\"");
+      if (takes_tag() && word.empty()) return fail("an empty word");
       out_.text += (out_.text.empty() ? "" : " ") + std::string(word);
+      ++text_words_;
     } else if (*command_ != Command::help) {
       fail("one word too many: \"" + std::string(word) + "\"");
     }
@@ -184,12 +206,27 @@ class Parser {
     if (!command_) fail("unknown command \"" + std::string(word) + "\"" + suggestion(word, names));
   }
 
+  /// STATION is there.
+  void check_tag_words() {
+    const std::string seen = ", not \"" + out_.text + "\"";
+    const bool two = out_.command == Command::force || out_.command == Command::set;
+    const std::string verb = out_.command == Command::force ? "force" : "set";
+    if (two && text_words_ != 2)
+      return fail(verb + " takes a tag and its value behind the station, as in `stationctl " + verb +
+                  (verb == "set" ? " robot step_timeout 5s`" : " robot conveyor true`") + seen);
+    if (out_.command == Command::unforce && text_words_ != 1)
+      return fail("unforce takes a tag, or `all`, behind the station" + seen);
+    if (out_.command == Command::get && text_words_ > 1)
+      return fail("get takes one tag behind the station" + seen);
+  }
+
   void finish() {
     if (!command_) return fail("COMMAND is missing");
     out_.command = *command_;
     const bool needs_name = out_.command == Command::start || out_.command == Command::stop ||
-                            out_.command == Command::msg || out_.command == Command::reset;
+                            out_.command == Command::msg || out_.command == Command::reset || takes_tag();
     if (needs_name && out_.station.empty()) return fail("STATION is missing");
+    if (takes_tag()) check_tag_words();
     if (out_.command == Command::describe && out_.station.empty())
       return fail("CODE is missing, such as ST1203");
     if (out_.command == Command::msg && out_.text.empty()) return fail("TEXT is missing, such as `status`");
@@ -204,6 +241,7 @@ class Parser {
   Arguments& out_;
   std::size_t at_ = 0;
   std::optional<Command> command_;
+  std::size_t text_words_ = 0;
   bool interface_given_ = false;
 };
 

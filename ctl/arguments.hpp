@@ -21,6 +21,10 @@ enum class Command : std::uint8_t {
   stop,
   msg,
   reset,
+  get,
+  force,
+  unforce,
+  set,
   describe,
   events,
   stats
@@ -34,7 +38,7 @@ struct Arguments {
   bool json = false;
   Command command = Command::help;
   std::string station;                 ///< what the command is about; a code for describe; empty: all
-  std::string text;                    ///< of msg; the key=value pairs of start
+  std::string text;                    ///< of msg; the key=value pairs of start; tag and value
   bool end_of_piece = false;           ///< stop
   bool follow = false;                 ///< events
   bool histogram = false;              ///< stats

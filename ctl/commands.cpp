@@ -29,6 +29,10 @@ int carry_out(const Arguments& arguments) {
     case Command::stop: return stop(arguments);
     case Command::msg: return msg(arguments);
     case Command::reset: return reset(arguments);
+    case Command::get: return get(arguments);
+    case Command::force: return force(arguments);
+    case Command::unforce: return unforce(arguments);
+    case Command::set: return set(arguments);
     case Command::describe: return describe(arguments);
     case Command::events: return events(arguments);
     case Command::stats: return stats(arguments);

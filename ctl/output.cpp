@@ -30,12 +30,19 @@ std::string code_name(std::uint32_t code) {
   return info == nullptr ? "" : std::string(info->name);
 }
 
-std::string remark_of(const bus::Status& status) {
+std::string cause_of(const bus::Status& status) {
   if (status.FAULT != 0) return code_text(status.FAULT);
   if (status.WARNING != 0) return code_text(status.WARNING);
   if (status.STATE != static_cast<std::uint32_t>(StationState::STOPPED)) return "";
   if (status.STOP_CAUSE == 1) return "stopped by order";
   return status.STOP_CAUSE == 2 ? "reset after a fault" : "never started";
+}
+
+/// Forced tags first: whoever looks at a station has to know.
+std::string remark_of(const bus::Status& status) {
+  const std::string cause = cause_of(status);
+  if (status.FORCED == 0) return cause;
+  return "forced " + std::to_string(status.FORCED) + (cause.empty() ? "" : "; " + cause);
 }
 
 bool away(const Seen& seen, std::int64_t now_ns) { return now_ns - seen.receipt_ns > kAwayAfter_ns; }
@@ -74,7 +81,7 @@ std::string station_json(const Seen& seen, std::int64_t now_ns) {
   out.flag("away", away(seen, now_ns)).flag("ready", s.READY).number("epoch", s.EPOCH);
   out.number("fault", s.FAULT).text("fault_name", code_name(s.FAULT));
   out.number("warning", s.WARNING).text("warning_name", code_name(s.WARNING));
-  out.number("stop_cause", s.STOP_CAUSE).number("step", s.STEP).text("step_name", s.STEP_NAME);
+  out.number("forced", s.FORCED).number("stop_cause", s.STOP_CAUSE).number("step", s.STEP).text("step_name", s.STEP_NAME);
   out.number("piece", s.PIECE).number("scans", s.SCANS).number("deadline_misses", s.DEADLINE_MISSES);
   out.number("period_ns", s.PERIOD_NS).number("lateness_p99_ns", s.LATENESS_P99_NS);
   out.number("lateness_max_ns", s.LATENESS_MAX_NS).text("realtime", s.REALTIME);

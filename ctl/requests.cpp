@@ -24,7 +24,7 @@ constexpr std::int64_t kRepeat_ns = 500'000'000;
 /// Asking twice does no harm: a request is lost if it is written before the other side's reader was matched.
 bool may_repeat(const std::string& text) {
   static constexpr auto verbs = std::to_array<std::string_view>(
-      {"status", "describe", "get", "params", "histogram", "pieces", "help", "role", "reset"});
+      {"status", "describe", "get", "tags", "params", "histogram", "pieces", "help", "role", "reset"});
   const std::string verb = text.substr(0, text.find(' '));
   return std::ranges::find(verbs, verb) != verbs.end();
 }
@@ -65,7 +65,9 @@ std::string without_ranges(const std::string& body) {
   return out;
 }
 
-int show(const Arguments& arguments, const bus::MsgRes& reply) {
+}  // namespace
+
+int show(const Arguments& arguments, const bus::MsgRes& reply, const Say& say) {
   const std::string text = without_id(reply.BODY);
   if (arguments.json) {
     JsonObject out;
@@ -75,22 +77,30 @@ int show(const Arguments& arguments, const bus::MsgRes& reply) {
       add_values(out, arguments.text == "params" ? without_ranges(text) : text);
     print_line(out.str());
   } else if (!reply.ERROR) {
-    print_line(text.empty() ? "done" : printable(text, true));
+    const std::string line = say ? say(text) : printable(text, true);
+    print_line(line.empty() ? "done" : line);
   }
   if (!reply.ERROR) return kDone;
-  std::fprintf(stderr, "stationctl: %s refused: %s\n", arguments.station.c_str(),
+  std::fprintf(stderr, "stationctl: %s refused: %s\n", printable(arguments.station).c_str(),
                refusal_text(reply).c_str());
   return kRefused;
 }
 
-int ask_and_show(const Arguments& arguments, const std::string& text) {
-  Client client(arguments);
-  if (const std::optional<bus::MsgRes> reply = ask(client, arguments, text)) return show(arguments, *reply);
+int fail_unanswered(const Arguments& arguments, Client& client) {
   const Stations stations = client.stations();
   if (!stations.contains(arguments.station) && arguments.station != "supervisor")
     return fail(arguments, kNoStation, no_station_text(arguments, stations));
   return fail(arguments, kNoAnswer, no_answer_text(arguments, "did not answer", stations));
 }
+
+int ask_and_show(const Arguments& arguments, const std::string& text, const Say& say) {
+  Client client(arguments);
+  if (const std::optional<bus::MsgRes> reply = ask(client, arguments, text))
+    return show(arguments, *reply, say);
+  return fail_unanswered(arguments, client);
+}
+
+namespace {
 
 /// What became of one station's reset, as a line and as JSON.
 int show_reset(const Arguments& about, const std::optional<bus::MsgRes>& reply, const Stations& stations,

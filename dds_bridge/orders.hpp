@@ -18,8 +18,8 @@ class Orders {
   void on_stop(const MsgReq& order, const Origin& origin);
   /// Body: `parameter=value` pairs, all checked before the scan gets them. Full ring: counted and logged.
   void on_start(const MsgReq& order, const Origin& origin);
-  /// Body: a verb: status, describe CODE, reset, params, histogram FIGURE, or one of tag_orders.hpp. Every one
-  /// is answered.
+  /// Body: a verb: status, describe CODE, reset, params, histogram FIGURE, or one of tag_orders.hpp.
+  /// Every one is answered.
   void on_request(const MsgReq& request, const Origin& origin);
 
  private:

@@ -17,9 +17,9 @@ struct ParsedValue {
       problem;  ///< why it is refused, for people; empty: it is of the tag's type and within its range
 };
 
-/// BOOL: true, false, 1, 0, on, off. Integers: decimal. REAL, LREAL: decimal, finite. TIME: a number with its unit,
-/// "300ms", "1.5s", "2min" (ns us ms s min h). STRING: refused. Range: the tag's, or its type's if it has
-/// none.
+/// BOOL: true, false, 1, 0, on, off. Integers: decimal. REAL, LREAL: decimal, finite.
+/// TIME: a number with its unit, "300ms", "1.5s", "2min" (ns us ms s min h). STRING: refused.
+/// Range: the tag's, or its type's if it has none.
 ParsedValue parse_value(const TagSpec& spec, std::string_view text);
 
 /// "true", "-7", "0.25", "300ms".
