@@ -167,8 +167,7 @@ class Parser {
  private:
   void plain(std::string_view word) {
     if (!command_) return command(word);
-    const bool takes_text =
-        *command_ == Command::msg || *command_ == Command::start || takes_tag();
+    const bool takes_text = *command_ == Command::msg || *command_ == Command::start || takes_tag();
     const bool takes_name =
         *command_ != Command::list && *command_ != Command::events && *command_ != Command::help;
     if (takes_name && out_.station.empty()) {

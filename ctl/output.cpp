@@ -81,7 +81,10 @@ std::string station_json(const Seen& seen, std::int64_t now_ns) {
   out.flag("away", away(seen, now_ns)).flag("ready", s.READY).number("epoch", s.EPOCH);
   out.number("fault", s.FAULT).text("fault_name", code_name(s.FAULT));
   out.number("warning", s.WARNING).text("warning_name", code_name(s.WARNING));
-  out.number("forced", s.FORCED).number("stop_cause", s.STOP_CAUSE).number("step", s.STEP).text("step_name", s.STEP_NAME);
+  out.number("forced", s.FORCED)
+      .number("stop_cause", s.STOP_CAUSE)
+      .number("step", s.STEP)
+      .text("step_name", s.STEP_NAME);
   out.number("piece", s.PIECE).number("scans", s.SCANS).number("deadline_misses", s.DEADLINE_MISSES);
   out.number("period_ns", s.PERIOD_NS).number("lateness_p99_ns", s.LATENESS_P99_NS);
   out.number("lateness_max_ns", s.LATENESS_MAX_NS).text("realtime", s.REALTIME);

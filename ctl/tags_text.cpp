@@ -68,9 +68,9 @@ std::vector<std::string> tags_table(const std::vector<Pairs>& rows) {
     line.push_back(bus::printable(settable_text(row)));
     cells.push_back(std::move(line));
   }
-  return table_lines({{"TAG"}, {"VALUE", true}, {"QUALITY"}, {"FORCED TO"}, {"AREA"}, {"TYPE"}, {"UNIT"},
-                      {"CAN BE SET"}},
-                     std::move(cells), 0);
+  return table_lines(
+      {{"TAG"}, {"VALUE", true}, {"QUALITY"}, {"FORCED TO"}, {"AREA"}, {"TYPE"}, {"UNIT"}, {"CAN BE SET"}},
+      std::move(cells), 0);
 }
 
 std::string tags_json(const std::string& station, const std::vector<Pairs>& rows) {

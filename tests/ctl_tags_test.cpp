@@ -19,11 +19,12 @@ Arguments parse(const std::vector<std::string_view>& words) {
 
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-constexpr const char* kTags = "tag=conveyor value=false quality=GOOD area=output type=BOOL forced=true\n"
-                              "tag=press_time value=800ms quality=GOOD area=internal type=TIME "
-                              "writable=true range=100ms..5s unit=of the press\n"
-                              "tag=speed value=101 quality=GOOD area=internal type=UINT range=1..1000\n"
-                              "next=speed";
+constexpr const char* kTags =
+    "tag=conveyor value=false quality=GOOD area=output type=BOOL forced=true\n"
+    "tag=press_time value=800ms quality=GOOD area=internal type=TIME "
+    "writable=true range=100ms..5s unit=of the press\n"
+    "tag=speed value=101 quality=GOOD area=internal type=UINT range=1..1000\n"
+    "next=speed";
 
 }  // namespace
 

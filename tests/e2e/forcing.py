@@ -11,7 +11,7 @@ from cell import ROOT, Cell, check, run, wait_for
 from pymodbus.client import ModbusTcpClient
 
 LOADER = 1
-OUTPUT = "conveyor"
+OUTPUT = "read_code"  # off until a pallet is in position
 NO_STATION, REFUSED, USAGE = 3, 1, 64
 
 
@@ -110,8 +110,8 @@ def parameter(cell):
     check("out of its range it is refused", answer.returncode == REFUSED and "2s..1min" in answer.stderr)
     answer = cell.ctl("set", "loader", "arrival_timeout", "20s")
     check("one not declared writable is refused", answer.returncode == REFUSED and "ST1314" in answer.stderr)
-    answer = cell.ctl("force", "loader", "conveyer", "1")
-    check("a misspelt tag is answered with the right one", 'mean "conveyor"' in answer.stderr, answer.stderr)
+    answer = cell.ctl("force", "loader", "raed_code", "1")
+    check("a misspelt tag is answered with the right one", 'mean "read_code"' in answer.stderr, answer.stderr)
     check("usage", cell.ctl("force", "loader", OUTPUT).returncode == USAGE)
 
 
@@ -138,7 +138,7 @@ def gone_at_restart(cell, file, field):
 
 
 def scenario():
-    with Cell(speed=0.1) as cell:
+    with Cell(period="50ms", speed=0.1) as cell:
         cell.start_plant("--watchdog", "600s")
         file = configuration(cell)
         cell.start_controller("controller1", file)
