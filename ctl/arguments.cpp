@@ -21,7 +21,7 @@ const std::string_view kUsage =
   msg STATION TEXT...           asks a station (or the supervisor) and prints its answer:
                                 status, describe CODE, get TAG, tags, params, histogram FIGURE, ...;
                                 supervisor: pieces, help
-  get STATION [TAG]             its tags, or the one: value, quality, what it is forced to, whether it can be set
+  get STATION [TAG]             its tags, or the one: value, quality, forced to what, whether it can be set
   force STATION TAG VALUE       holds an input or output at a value, whatever its device or program says,
                                 until unforce or the daemon's restart; no output is driven outside RUNNING
   unforce STATION TAG|all       lets it go

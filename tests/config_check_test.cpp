@@ -123,7 +123,7 @@ TEST_CASE("limits that cannot be are refused with what is allowed [IMG-3, CFG-1]
                  "found \"2s\" to \"1s\"; the least value has to be below the greatest"));
   CHECK(contains(problem(R"({ value = "800ms", max = "500ms" })"),
                  "found \"800ms\"; allowed is \"100ms\" to \"500ms\""));
-  CHECK(contains(problem(R"({ writable = true, min = "200ms" })"), "the program's own value, \"0ns\""));
+  CHECK(contains(problem(R"({ writable = true, min = "200ms" })"), "the program's own value, \"0s\""));
   CHECK(contains(problem(R"({ value = "800ms", writable = 1 })"), "press_time.writable: found"));
   CHECK(contains(problem("{ type = \"TIME\" }"), "value: missing"));
 }

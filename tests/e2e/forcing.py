@@ -62,7 +62,7 @@ def output_when_stopped(cell, field):
     wait_for("100 scans pass in STOPPED", lambda: cell.stations()["loader"]["scans"] > before + 100)
     check("the forced output is not driven in STOPPED", not field.on())
     row = tag(cell, OUTPUT)
-    check("it is told as forced, with its safe value", (row["value"], row["forced"]) == ("false", "true"), row)
+    check("told as forced, with its safe value", (row["value"], row["forced"]) == ("false", "true"), row)
 
 
 def output_when_running(cell, field):
