@@ -36,8 +36,7 @@ class AlreadyRunning : public std::runtime_error {
 class Controller {
  public:
   /// Builds all, connects all; nothing runs yet. Throws SetupError, AlreadyRunning, bus::BusError.
-  Controller(const config::Configuration& configuration, Log& log,
-             const ProgramList& programs = all_programs());
+  Controller(const config::Configuration& configuration, Log& log, ProgramList programs = all_programs());
   ~Controller();
   Controller(const Controller&) = delete;
   Controller& operator=(const Controller&) = delete;

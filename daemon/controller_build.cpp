@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/controller.hpp"
 #include "daemon/device_points.hpp"
@@ -18,8 +19,8 @@ constexpr std::int64_t kRetainIntervalNs = 1'000'000'000;
 
 }  // namespace
 
-Controller::Controller(const config::Configuration& configuration, Log& log, const ProgramList& programs)
-    : configuration_(configuration), log_(log), programs_(programs),
+Controller::Controller(const config::Configuration& configuration, Log& log, ProgramList programs)
+    : configuration_(configuration), log_(log), programs_(std::move(programs)),
       lock_(configuration.state_dir, configuration.name), utc_offset_ns_(stationd::utc_offset_ns()) {
   lock_state_directory();
   retain_ = std::make_unique<RetainThread>(
