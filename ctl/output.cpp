@@ -40,7 +40,7 @@ std::string cause_of(const bus::Status& status) {
 
 /// Forced tags first: whoever looks at a station has to know.
 std::string remark_of(const bus::Status& status) {
-  const std::string cause = cause_of(status);
+  std::string cause = cause_of(status);
   if (status.FORCED == 0) return cause;
   return "forced " + std::to_string(status.FORCED) + (cause.empty() ? "" : "; " + cause);
 }
