@@ -237,7 +237,7 @@ void BusOut::settle_start(const Pending& pending, const Reply& reply) {
 }
 
 /// Takes over what was done about tags, logs each change, and says what the answer is.
-std::string BusOut::settle_tags(const Pending& pending, const Reply& reply) {
+std::string BusOut::settle_tags(const Pending& pending, const Reply& reply) const {
   BridgedEntry& entry = *pending.entry;
   const Image& image = entry.station->image();
   const std::string from = pending.body.from.empty() ? "(unnamed)" : pending.body.from;

@@ -68,7 +68,7 @@ class BusOut {
   void send_replies(Out& out);
   void settle(const Pending& pending, const Reply& reply);
   void settle_start(const Pending& pending, const Reply& reply);
-  std::string settle_tags(const Pending& pending, const Reply& reply);
+  std::string settle_tags(const Pending& pending, const Reply& reply) const;
 
   Context& context_;
   EventWriter& events_;
